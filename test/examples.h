@@ -6,9 +6,9 @@
 #include <tuple>
 #include <vector>
 
-#include "describe/descriptor_rows.h"
-#include "describe/frame_descriptors.h"
-#include "store/sequence_database.h"
+#include "database/descriptor_rows.h"
+#include "database/frame_descriptors.h"
+#include "database/sequence_database.h"
 
 namespace vpr::test {
 

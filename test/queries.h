@@ -2,10 +2,10 @@
 #pragma once
 
 #include "base/random.h"
-#include "decide/result.h"
 #include "fabmap/vocabulary.h"
-#include "run/plan.h"
-#include "run/query.h"
+#include "query/plan.h"
+#include "query/result.h"
+#include "query/run_query.h"
 #include "truth/ground_truth.h"
 
 namespace vpr::test {

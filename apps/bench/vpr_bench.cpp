@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "bench/benches.h"
 #include "common/flags.h"
-#include "describe/frame_descriptors.h"
+#include "database/frame_descriptors.h"
 
 namespace vpr {
 namespace {

@@ -22,11 +22,11 @@
 #include "base/provenance.h"
 #include "base/simd.h"
 #include "base/text.h"
-#include "files/result_file.h"
+#include "database/archive.h"
 #include "progress.h"
-#include "sequence/frame_order.h"
-#include "sequence/sequence_source.h"
-#include "store/archive.h"
+#include "query/result_file.h"
+#include "recordings/frame_order.h"
+#include "recordings/sequence_source.h"
 #include "truth/dataset.h"
 
 namespace vpr {

@@ -14,10 +14,10 @@
 #include "base/json.h"
 #include "base/monitor.h"
 #include "base/output.h"
-#include "files/run_info.h"
 #include "parser.h"
-#include "sequence/frames.h"
-#include "settings/setting_rows.h"
+#include "query/run_info.h"
+#include "query/setting_rows.h"
+#include "recordings/frames.h"
 
 namespace vpr {
 

@@ -8,8 +8,8 @@
 #include "base/error.h"
 #include "base/named_table.h"
 #include "base/text.h"
-#include "sequence/sequence.h"
-#include "sequence/sequence_source.h"
+#include "recordings/sequence.h"
+#include "recordings/sequence_source.h"
 #include "truth/formats.h"
 #include "truth/times.h"
 

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "command.h"
+#include "database/archive.h"
 #include "present/table.h"
-#include "run/train_sequences.h"
-#include "store/archive.h"
+#include "query/train_sequences.h"
 #include "truth/dataset.h"
 #include "truth/times.h"
 

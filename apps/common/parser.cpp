@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/text.h"
-#include "files/result_file.h"
+#include "query/result_file.h"
 
 namespace vpr {
 

@@ -12,10 +12,10 @@
 #include "common/flags.h"
 #include "evaluate/evaluation.h"
 #include "evaluate/expectation.h"
+#include "evaluate/report.h"
 #include "evaluate/score_matrix.h"
-#include "files/report.h"
-#include "files/result_file.h"
 #include "present/table.h"
+#include "query/result_file.h"
 
 namespace vpr {
 

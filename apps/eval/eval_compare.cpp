@@ -8,7 +8,7 @@
 #include "base/stopwatch.h"
 #include "base/text.h"
 #include "eval.h"
-#include "files/report.h"
+#include "evaluate/report.h"
 #include "present/comparison_report.h"
 #include "present/evaluation_text.h"
 

@@ -7,10 +7,10 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/text.h"
-#include "describe/imported.h"
+#include "database/imported.h"
 #include "eval.h"
-#include "sequence/frames.h"
-#include "sequence/sequence_source.h"
+#include "recordings/frames.h"
+#include "recordings/sequence_source.h"
 #include "truth/formats.h"
 #include "truth/ground_truth.h"
 

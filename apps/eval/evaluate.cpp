@@ -6,7 +6,7 @@
 #include "eval.h"
 #include "evaluate/metrics.h"
 #include "evaluate/prediction_lists.h"
-#include "sequence/sequence_source.h"
+#include "recordings/sequence_source.h"
 
 namespace vpr {
 namespace {

@@ -10,12 +10,12 @@
 #include "base/text.h"
 #include "eval.h"
 #include "evaluate/expectation.h"
-#include "files/report.h"
-#include "files/run_info.h"
+#include "evaluate/report.h"
 #include "present/evaluation_text.h"
 #include "present/methods_table.h"
 #include "present/report_tables.h"
 #include "present/summary.h"
+#include "query/run_info.h"
 
 namespace vpr {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "common/flags.h"
-#include "files/result_file.h"
-#include "loops/sequence_query.h"
+#include "query/result_file.h"
+#include "query/sequence_query.h"
 
 namespace vpr {
 

@@ -3,13 +3,13 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "decide/clustering.h"
 #include "fabmap/place_query.h"
 #include "fabmap/word_training.h"
-#include "files/matrix_file.h"
 #include "query.h"
-#include "sequence/sequence.h"
-#include "sequence/sequence_source.h"
+#include "query/clustering.h"
+#include "query/matrix_file.h"
+#include "recordings/sequence.h"
+#include "recordings/sequence_source.h"
 
 namespace vpr {
 namespace {

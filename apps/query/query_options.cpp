@@ -11,8 +11,8 @@
 #include "match/match.h"
 #include "present/result_text.h"
 #include "query.h"
-#include "sequence/sequence.h"
-#include "sequence/sequence_source.h"
+#include "recordings/sequence.h"
+#include "recordings/sequence_source.h"
 #include "truth/times.h"
 
 namespace vpr {
@@ -68,7 +68,7 @@ void add_selection_flags(const Command& command, QueryOptions& options) {
                      kQueryGroup, "FILE");
 }
 
-// Live queries refuse OpenABLE, LSH and FAB-MAP (settings/choices.cpp).
+// Live queries refuse OpenABLE, LSH and FAB-MAP (query/choices.cpp).
 void add_method_flag(const Command& command, AllSettings& settings, bool is_live,
                      const std::string& help) {
   std::vector<std::string> names;

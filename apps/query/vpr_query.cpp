@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "database/archive.h"
 #include "fabmap/place_query.h"
 #include "match/match.h"
 #include "query.h"
-#include "settings/choices.h"
-#include "store/archive.h"
+#include "query/choices.h"
 
 namespace vpr {
 namespace {

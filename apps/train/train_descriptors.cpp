@@ -9,9 +9,9 @@
 #include "base/mapped_file.h"
 #include "base/npy.h"
 #include "base/text.h"
-#include "describe/imported.h"
+#include "database/imported.h"
 #include "present/database_report.h"
-#include "sequence/sequence_source.h"
+#include "recordings/sequence_source.h"
 #include "train.h"
 
 namespace vpr {

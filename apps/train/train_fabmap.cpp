@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "fabmap/word_training.h"
-#include "sequence/sequence_source.h"
+#include "recordings/sequence_source.h"
 #include "train.h"
 
 namespace vpr {

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "database/archive.h"
 #include "present/database_report.h"
-#include "sequence/sequence_source.h"
-#include "store/archive.h"
+#include "recordings/sequence_source.h"
 #include "train.h"
 
 namespace vpr {

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "match/match.h"
-#include "sequence/sequence_source.h"
+#include "recordings/sequence_source.h"
 #include "tune.h"
 
 namespace vpr {

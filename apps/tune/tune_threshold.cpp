@@ -1,9 +1,9 @@
 // vpr-tune threshold: the automatic thresholds of a database.
+#include "database/archive.h"
 #include "present/database_report.h"
-#include "run/open.h"
-#include "run/thresholds.h"
-#include "run/train_sequences.h"
-#include "store/archive.h"
+#include "query/open.h"
+#include "query/thresholds.h"
+#include "query/train_sequences.h"
 #include "tune.h"
 
 namespace vpr {

@@ -3,9 +3,9 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "run/advice.h"
-#include "run/open.h"
-#include "run/train_sequences.h"
+#include "query/advice.h"
+#include "query/open.h"
+#include "query/train_sequences.h"
 #include "tune.h"
 #include "tune/sweep_report.h"
 #include "tune/trials.h"

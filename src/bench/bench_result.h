@@ -11,9 +11,9 @@
 
 #include "base/json.h"
 #include "base/monitor.h"
-#include "chart/chart.h"
-#include "files/run_info.h"
+#include "present/chart.h"
 #include "present/table.h"
+#include "query/run_info.h"
 
 namespace vpr {
 

@@ -9,8 +9,8 @@
 #include "bench/bench_result.h"
 #include "fabmap/local_features.h"
 #include "match/match.h"
-#include "run/live_query.h"
-#include "sequence/sequence_source.h"
+#include "query/live_query.h"
+#include "recordings/sequence_source.h"
 
 namespace vpr {
 

@@ -5,9 +5,9 @@
 #include "base/mapped_file.h"
 #include "bench/benches.h"
 #include "bench/generated.h"
-#include "describe/frame_descriptors.h"
-#include "describe/whole_frame.h"
-#include "sequence/frames.h"
+#include "database/frame_descriptors.h"
+#include "database/whole_frame.h"
+#include "recordings/frames.h"
 
 namespace vpr {
 namespace {

@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/random.h"
-#include "describe/imported.h"
+#include "database/imported.h"
 
 namespace vpr {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "describe/descriptor_rows.h"
+#include "database/descriptor_rows.h"
 #include "fabmap/vocabulary.h"
 
 namespace cv {

@@ -8,9 +8,9 @@
 #include "base/error.h"
 #include "base/statistics.h"
 #include "bench/benches.h"
-#include "run/open.h"
-#include "run/train_sequences.h"
-#include "settings/choices.h"
+#include "query/choices.h"
+#include "query/open.h"
+#include "query/train_sequences.h"
 
 namespace vpr {
 namespace {

@@ -173,6 +173,27 @@ GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const
   return read_ground_truth(*by.ground_truth, scope, monitor);
 }
 
+// Adds readers of the names of frames, for sides that have none.
+void add_recorded_names(EvaluationSettings& by, const ResultContext& context, size_t sequences) {
+  if (const std::string query = context.run.path("query"); !by.query_names && !query.empty())
+    by.query_names = [query] { return frame_names(parse_sequence_argument(query)); };
+  const std::string database = context.run.path("database");
+  if (!by.train_names.empty()) return;
+  if (database.empty() && !context.train) {  // loops of the query
+    by.train_names.assign(sequences, by.query_names);
+    return;
+  }
+  using Trained = std::shared_ptr<const std::vector<TrainSequence>>;
+  const auto trained = std::make_shared<Trained>(context.train);  // read at most once
+  for (size_t s = 0; s < sequences; ++s)
+    by.train_names.emplace_back([database, trained, s] {
+      if (!*trained)
+        *trained = std::make_shared<const std::vector<TrainSequence>>(
+            read_sequence_database(database).sequences);
+      return (*trained)->at(s).sequence.frame_names;
+    });
+}
+
 }  // namespace
 
 void require_all_pairs(const GroundTruth& truth, const EvaluationSettings& by) {
@@ -219,6 +240,17 @@ Evaluation evaluate_result(std::shared_ptr<const Result> result, std::optional<S
   evaluation.matrix = std::move(matrix);
   evaluation.caution = label_caution(truth, evaluation.judgment.outcomes);
   warn_of_truth(evaluation, by, monitor);
+  return evaluation;
+}
+
+Evaluation evaluate_stored(const std::shared_ptr<const StoredResult>& stored,
+                           std::optional<ScoreMatrix> matrix, EvaluationSettings by,
+                           const Monitor& monitor) {
+  const std::shared_ptr<const Result> result(stored, &stored->result);
+  if (!result->places) add_recorded_names(by, stored->context, result->sequences.size());
+  Evaluation evaluation = evaluate_result(result, std::move(matrix), by, monitor);
+  evaluation.fingerprint =
+      stored->fingerprint.empty() ? fingerprint_of(*stored) : stored->fingerprint;
   return evaluation;
 }
 

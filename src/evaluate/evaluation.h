@@ -10,6 +10,7 @@
 
 #include "evaluate/judgment.h"
 #include "evaluate/outcomes.h"
+#include "query/result_file.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {
@@ -80,6 +81,12 @@ GroundTruth whole_truth_of(const EvaluationSettings& by, GroundTruthScope scope,
 /// read_ground_truth, read_place_answers, read_traveled, judge and set_confidence throw.
 Evaluation evaluate_result(std::shared_ptr<const Result> result, std::optional<ScoreMatrix> matrix,
                            const EvaluationSettings& by, const Monitor& monitor);
+
+/// Evaluates a result. Names of frames that `by` lacks are those of the query and the
+/// database of the run, unless the result has places. Throws as evaluate_result does.
+Evaluation evaluate_stored(const std::shared_ptr<const StoredResult>& stored,
+                           std::optional<ScoreMatrix> matrix, EvaluationSettings by,
+                           const Monitor& monitor);
 
 /// Evaluates scores of any program. `by` has a ground truth. Throws as evaluate_result does, and
 /// Error(data) for a selection with another number of frames.

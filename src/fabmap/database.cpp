@@ -12,10 +12,10 @@
 #include "base/json.h"
 #include "base/provenance.h"
 #include "base/text.h"
+#include "database/archive.h"
 #include "fabmap/chow_liu.h"
 #include "present/table.h"
-#include "sequence/sequence_json.h"
-#include "store/archive.h"
+#include "recordings/sequence_json.h"
 
 namespace vpr {
 

@@ -10,12 +10,12 @@
 #include "base/enum_names.h"
 #include "base/json_fwd.h"
 #include "base/output.h"
+#include "database/sequence_database.h"
 #include "fabmap/chow_liu.h"
 #include "fabmap/local_features.h"
 #include "fabmap/vocabulary.h"
-#include "files/run_info.h"
-#include "sequence/sequence.h"
-#include "store/sequence_database.h"
+#include "query/run_info.h"
+#include "recordings/sequence.h"
 
 namespace vpr {
 

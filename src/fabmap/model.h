@@ -10,7 +10,7 @@
 
 #include "fabmap/chow_liu.h"
 #include "fabmap/vocabulary.h"
-#include "settings/fabmap_settings.h"
+#include "query/fabmap_settings.h"
 
 namespace vpr {
 

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "decide/result.h"
 #include "fabmap/database.h"
 #include "fabmap/model.h"
 #include "fabmap/word_training.h"
-#include "run/query.h"
-#include "settings/fabmap_settings.h"
-#include "settings/setting_rows.h"
+#include "query/fabmap_settings.h"
+#include "query/result.h"
+#include "query/run_query.h"
+#include "query/setting_rows.h"
 
 namespace vpr {
 

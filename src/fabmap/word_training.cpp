@@ -12,10 +12,10 @@
 #include "base/npy.h"
 #include "base/parallel.h"
 #include "base/text.h"
-#include "describe/imported.h"
+#include "database/imported.h"
 #include "fabmap/word_clustering.h"
-#include "sequence/frames.h"
-#include "sequence/sequence_source.h"
+#include "recordings/frames.h"
+#include "recordings/sequence_source.h"
 
 namespace vpr {
 namespace {

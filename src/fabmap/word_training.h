@@ -8,7 +8,7 @@
 
 #include "base/monitor.h"
 #include "fabmap/database.h"
-#include "sequence/sequence_source.h"
+#include "recordings/sequence_source.h"
 
 namespace vpr {
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "base/enum_names.h"
-#include "decide/result.h"
 #include "evaluate/metrics.h"
+#include "query/result.h"
 #include "truth/ground_truth.h"
 #include "truth/trajectory.h"
 

@@ -12,7 +12,7 @@
 #include "base/statistics.h"
 #include "base/text.h"
 #include "evaluate/metrics.h"
-#include "files/report.h"
+#include "evaluate/report.h"
 #include "present/evaluation_charts.h"
 #include "present/evaluation_text.h"
 #include "present/html_page.h"

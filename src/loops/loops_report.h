@@ -5,10 +5,10 @@
 #include <string>
 
 #include "base/json_fwd.h"
-#include "chart/chart.h"
-#include "files/run_info.h"
 #include "loops/loops.h"
+#include "present/chart.h"
 #include "present/table.h"
+#include "query/run_info.h"
 
 namespace vpr {
 

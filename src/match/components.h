@@ -4,9 +4,9 @@
 #include <span>
 
 #include "base/monitor.h"
+#include "database/train_statistics.h"
 #include "match/frame_distances.h"
 #include "match/score_kernels.h"
-#include "store/train_statistics.h"
 
 namespace vpr {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/monitor.h"
+#include "database/train_statistics.h"
 #include "match/frame_distances.h"
-#include "store/train_statistics.h"
 
 namespace vpr {
 

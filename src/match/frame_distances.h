@@ -11,8 +11,8 @@
 
 #include "base/monitor.h"
 #include "base/parallel.h"
-#include "describe/descriptor_rows.h"
-#include "store/train_statistics.h"
+#include "database/descriptor_rows.h"
+#include "database/train_statistics.h"
 
 namespace vpr {
 
@@ -152,14 +152,14 @@ extern const DistanceKind kHammingDistance;
 
 /// 1 - cos, from 0 to 2, in units of 2/65535 and rounded to nearest, ties up; for vectors of up to
 /// 131071 values, of 8 bits, or of 16 bits with a squared length of at most kMaxSquaredLength
-/// (describe/imported.h). A vector of zeros is orthogonal to all others. Scalar products and
+/// (database/imported.h). A vector of zeros is orthogonal to all others. Scalar products and
 /// squared lengths are exact integers, so that every machine gives the same numbers.
 extern const DistanceKind kCosineDistance;
 extern const DistanceKind kWideCosineDistance;
 
 /// |a - b| of two points, in the unit of their coordinates and rounded to nearest, ties up; for
 /// points of up to 131071 coordinates that are at most kLongestPoint from the origin
-/// (describe/imported.h). Squares are exact. A row's total takes as long as the row.
+/// (database/imported.h). Squares are exact. A row's total takes as long as the row.
 extern const DistanceKind kPointDistance;
 
 /// The mean absolute difference of two images of one size, in 256ths of a gray level and rounded to

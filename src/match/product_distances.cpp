@@ -10,7 +10,7 @@
 #include <oneapi/tbb/cache_aligned_allocator.h>
 
 #include "base/error.h"
-#include "describe/imported.h"
+#include "database/imported.h"
 #include "match/frame_distances.h"
 #include "match/product_kernels.h"
 

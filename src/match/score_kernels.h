@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "store/train_statistics.h"
+#include "database/train_statistics.h"
 
 namespace vpr {
 

@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
+#include "database/train_statistics.h"
 #include "match/components.h"
 #include "match/frame_distances.h"
 #include "match/score_kernels.h"
-#include "store/train_statistics.h"
 
 namespace vpr {
 

@@ -10,7 +10,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "files/report.h"
+#include "evaluate/report.h"
 #include "present/evaluation_text.h"
 #include "present/report_tables.h"
 #include "present/summary.h"

@@ -11,7 +11,7 @@
 #include "base/enum_names.h"
 #include "base/json_fwd.h"
 #include "evaluate/comparison.h"
-#include "files/report.h"
+#include "evaluate/report.h"
 #include "present/methods_table.h"
 
 namespace vpr {

@@ -7,9 +7,9 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "database/archive.h"
 #include "present/table.h"
-#include "sequence/sequence_json.h"
-#include "store/archive.h"
+#include "recordings/sequence_json.h"
 
 namespace vpr {
 namespace {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "base/json_fwd.h"
-#include "files/run_info.h"
 #include "present/table.h"
-#include "run/thresholds.h"
+#include "query/run_info.h"
+#include "query/thresholds.h"
 
 namespace vpr {
 

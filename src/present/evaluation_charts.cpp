@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "chart/chart.h"
 #include "evaluate/metrics.h"
 #include "evaluate/outcomes.h"
-#include "files/report.h"
+#include "evaluate/report.h"
+#include "present/chart.h"
 #include "present/matrix_chart.h"
 #include "present/report_tables.h"
 #include "truth/ground_truth.h"

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "chart/chart.h"
 #include "evaluate/judgment.h"
-#include "files/report.h"
+#include "evaluate/report.h"
+#include "present/chart.h"
 #include "present/matrix_chart.h"
 #include "truth/positions.h"
 

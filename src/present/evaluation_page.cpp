@@ -9,8 +9,8 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "chart/chart.h"
-#include "files/report.h"
+#include "evaluate/report.h"
+#include "present/chart.h"
 #include "present/evaluation_charts.h"
 #include "present/html_page.h"
 #include "present/matrix_chart.h"

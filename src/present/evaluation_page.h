@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/monitor.h"
-#include "files/report.h"
+#include "evaluate/report.h"
 #include "present/gallery.h"
 
 namespace vpr {

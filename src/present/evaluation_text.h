@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "files/report.h"
+#include "evaluate/report.h"
 
 namespace vpr {
 

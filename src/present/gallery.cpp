@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
-#include "sequence/frames.h"
+#include "recordings/frames.h"
 
 namespace vpr {
 namespace {

@@ -12,9 +12,9 @@
 
 #include "base/monitor.h"
 #include "evaluate/judgment.h"
-#include "files/result_file.h"
 #include "present/matrix_chart.h"
-#include "sequence/sequence_source.h"
+#include "query/result_file.h"
+#include "recordings/sequence_source.h"
 
 namespace vpr {
 

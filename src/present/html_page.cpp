@@ -5,7 +5,7 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "chart/chart.h"
+#include "present/chart.h"
 
 namespace vpr {
 namespace {

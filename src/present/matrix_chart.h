@@ -7,9 +7,9 @@
 
 #include "base/json_fwd.h"
 #include "base/monitor.h"
-#include "chart/chart.h"
 #include "evaluate/judgment.h"
 #include "match/match.h"
+#include "present/chart.h"
 
 namespace vpr {
 

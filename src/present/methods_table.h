@@ -7,7 +7,7 @@
 
 #include <unistd.h>
 
-#include "files/report.h"
+#include "evaluate/report.h"
 #include "present/table.h"
 
 namespace vpr {

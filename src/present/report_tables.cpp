@@ -8,10 +8,10 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "files/report.h"
+#include "evaluate/report.h"
 #include "match/match.h"
 #include "present/methods_table.h"
-#include "settings/query_settings.h"
+#include "query/query_settings.h"
 
 namespace vpr {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "files/report.h"
+#include "evaluate/report.h"
 #include "present/table.h"
 
 namespace vpr {

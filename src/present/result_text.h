@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "decide/result.h"
+#include "query/result.h"
 
 namespace vpr {
 

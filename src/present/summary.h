@@ -6,7 +6,7 @@
 #include <string>
 
 #include "evaluate/evaluation.h"
-#include "files/report.h"
+#include "evaluate/report.h"
 
 namespace vpr {
 

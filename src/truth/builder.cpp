@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/text.h"
-#include "sequence/sequence.h"
+#include "recordings/sequence.h"
 #include "truth/readers.h"
 
 namespace vpr {

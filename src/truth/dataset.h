@@ -11,7 +11,7 @@
 
 #include "base/enum_names.h"
 #include "base/json_fwd.h"
-#include "sequence/sequence_source.h"
+#include "recordings/sequence_source.h"
 
 namespace vpr {
 

@@ -7,7 +7,7 @@
 
 #include "base/monitor.h"
 #include "base/rows.h"
-#include "sequence/sequence_source.h"
+#include "recordings/sequence_source.h"
 
 namespace vpr {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "sequence/sequence.h"
+#include "recordings/sequence.h"
 #include "truth/dataset.h"
 
 namespace vpr {

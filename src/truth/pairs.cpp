@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "base/rows.h"
 #include "base/text.h"
-#include "sequence/sequence_source.h"
+#include "recordings/sequence_source.h"
 #include "truth/frame_cells.h"
 #include "truth/ground_truth.h"
 #include "truth/readers.h"

@@ -8,8 +8,8 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "sequence/frame_order.h"
-#include "sequence/sequence_source.h"
+#include "recordings/frame_order.h"
+#include "recordings/sequence_source.h"
 #include "truth/formats.h"
 #include "truth/positions.h"
 #include "truth/readers.h"

@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "base/rows.h"
 #include "base/text.h"
-#include "sequence/sequence_source.h"
+#include "recordings/sequence_source.h"
 #include "truth/formats.h"
 #include "truth/times.h"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sequence/sequence.h"
+#include "recordings/sequence.h"
 #include "truth/trajectory.h"
 
 namespace vpr {

@@ -12,8 +12,8 @@
 #include "base/mapped_file.h"
 #include "base/npy.h"
 #include "base/text.h"
-#include "sequence/frames.h"
-#include "sequence/live_source.h"
+#include "recordings/frames.h"
+#include "recordings/live_source.h"
 
 namespace vpr {
 namespace {

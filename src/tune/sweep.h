@@ -13,12 +13,12 @@
 #include "base/enum_names.h"
 #include "base/monitor.h"
 #include "base/statistics.h"
-#include "decide/exclusion_zones.h"
 #include "evaluate/evaluation.h"
 #include "evaluate/metrics.h"
 #include "evaluate/outcomes.h"
 #include "fabmap/place_query.h"
-#include "run/query.h"
+#include "query/exclusion_zones.h"
+#include "query/run_query.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "chart/chart.h"
+#include "present/chart.h"
 #include "tune/sweep_report.h"
 
 namespace vpr {

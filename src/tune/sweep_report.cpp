@@ -7,10 +7,10 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "files/report.h"
+#include "evaluate/report.h"
 #include "present/evaluation_text.h"
 #include "present/summary.h"
-#include "sequence/sequence_json.h"
+#include "recordings/sequence_json.h"
 
 namespace vpr {
 namespace {

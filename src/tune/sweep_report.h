@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "base/json_fwd.h"
-#include "chart/chart.h"
-#include "files/run_info.h"
+#include "present/chart.h"
 #include "present/table.h"
+#include "query/run_info.h"
 #include "tune/sweep.h"
 
 namespace vpr {

@@ -9,9 +9,9 @@
 #include "base/text.h"
 #include "present/evaluation_text.h"
 #include "present/summary.h"
-#include "run/advice.h"
-#include "run/train_sequences.h"
-#include "sequence/sequence_json.h"
+#include "query/advice.h"
+#include "query/train_sequences.h"
+#include "recordings/sequence_json.h"
 
 namespace vpr {
 namespace {

@@ -9,8 +9,8 @@
 #include "base/json_fwd.h"
 #include "evaluate/evaluation.h"
 #include "fabmap/place_query.h"
-#include "files/run_info.h"
 #include "present/table.h"
+#include "query/run_info.h"
 #include "tune/sweep.h"
 
 namespace vpr {

@@ -7,14 +7,14 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "describe/imported.h"
+#include "database/archive.h"
+#include "database/imported.h"
 #include "evaluate/prediction_lists.h"
 #include "fabmap/place_query.h"
 #include "fabmap/word_training.h"
 #include "present/summary.h"
-#include "run/open.h"
-#include "run/train_sequences.h"
-#include "store/archive.h"
+#include "query/open.h"
+#include "query/train_sequences.h"
 #include "truth/times.h"
 
 namespace vpr::calls {

@@ -15,14 +15,14 @@
 
 #include "base/json.h"
 #include "base/npy.h"
+#include "evaluate/report.h"
 #include "evaluate/score_matrix.h"
 #include "fabmap/database.h"
-#include "files/live_lines.h"
-#include "files/report.h"
-#include "files/result_file.h"
-#include "loops/sequence_query.h"
-#include "sequence/frames.h"
-#include "settings/choices.h"
+#include "query/choices.h"
+#include "query/live_lines.h"
+#include "query/result_file.h"
+#include "query/sequence_query.h"
+#include "recordings/frames.h"
 
 namespace vpr::calls {
 

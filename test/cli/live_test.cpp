@@ -3,7 +3,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "files/live_lines.h"
+#include "query/live_lines.h"
 #include "world.h"
 
 using namespace vpr;

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <sys/resource.h>
 
-#include "files/result_file.h"
+#include "query/result_file.h"
 #include "world.h"
 
 using namespace vpr;

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "cli/world.h"
-#include "sequence/sequence.h"
+#include "recordings/sequence.h"
 
 using namespace vpr;
 using namespace vpr::test;

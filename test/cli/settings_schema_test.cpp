@@ -19,9 +19,9 @@
 #include "evaluate/metrics.h"
 #include "fabmap/place_query.h"
 #include "present/table.h"
-#include "run/train_sequences.h"
-#include "settings/query_settings.h"
-#include "settings/setting_rows.h"
+#include "query/query_settings.h"
+#include "query/setting_rows.h"
+#include "query/train_sequences.h"
 #include "support.h"
 
 using namespace vpr;

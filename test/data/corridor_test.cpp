@@ -5,11 +5,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "describe/frame_descriptors.h"
+#include "database/frame_descriptors.h"
 #include "examples.h"
 #include "printed.h"
+#include "recordings/sequence_source.h"
 #include "reference/reference.h"
-#include "sequence/sequence_source.h"
 
 using namespace vpr;
 using namespace vpr::test;

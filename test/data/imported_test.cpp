@@ -1,5 +1,5 @@
 // Quantized descriptors have the recall of float64 on real images.
-#include "describe/imported.h"
+#include "database/imported.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,9 +11,9 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>
 
-#include "describe/frame_descriptors.h"
+#include "database/frame_descriptors.h"
 #include "match/frame_distances.h"
-#include "sequence/frames.h"
+#include "recordings/frames.h"
 #include "support.h"
 
 using namespace vpr;

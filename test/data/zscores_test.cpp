@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "query/open.h"
 #include "reference/verified_query.h"
-#include "run/open.h"
 #include "support.h"
 
 using namespace vpr;

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/json.h"
-#include "files/report.h"
+#include "evaluate/report.h"
 #include "support.h"
 
 using namespace vpr;

@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "files/exports.h"
+#include "evaluate/exports.h"
 #include "support.h"
 
 using namespace vpr;

@@ -4,10 +4,10 @@
 #include "common/parser.h"
 #include "fabmap/place_query.h"
 #include "fuzz.h"
-#include "run/open.h"
-#include "run/query.h"
-#include "run/train_sequences.h"
-#include "settings/choices.h"
+#include "query/choices.h"
+#include "query/open.h"
+#include "query/run_query.h"
+#include "query/train_sequences.h"
 
 using namespace vpr;
 

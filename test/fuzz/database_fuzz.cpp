@@ -2,11 +2,11 @@
 // be opened.
 #include "base/checksum.h"
 #include "base/json.h"
+#include "database/archive.h"
 #include "fabmap/place_query.h"
 #include "fuzz.h"
-#include "run/open.h"
-#include "run/query.h"
-#include "store/archive.h"
+#include "query/open.h"
+#include "query/run_query.h"
 
 using namespace vpr;
 

@@ -1,6 +1,6 @@
 // Any bytes as descriptors of every kind, and their distances to themselves.
-#include "describe/frame_descriptors.h"
-#include "describe/imported.h"
+#include "database/frame_descriptors.h"
+#include "database/imported.h"
 #include "fuzz.h"
 #include "match/frame_distances.h"
 

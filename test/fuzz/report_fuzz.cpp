@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "files/report.h"
+#include "evaluate/report.h"
 #include "fuzz.h"
 #include "present/comparison_report.h"
 

@@ -4,9 +4,9 @@
 
 #include "base/checksum.h"
 #include "base/json.h"
-#include "files/report.h"
-#include "files/result_file.h"
+#include "evaluate/report.h"
 #include "fuzz.h"
+#include "query/result_file.h"
 
 using namespace vpr;
 

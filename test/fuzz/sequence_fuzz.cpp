@@ -1,7 +1,7 @@
 // The name of a sequence, as on a command line, and a list of images.
 #include "base/text.h"
 #include "fuzz.h"
-#include "sequence/sequence_source.h"
+#include "recordings/sequence_source.h"
 
 using namespace vpr;
 

@@ -9,15 +9,15 @@
 #include <fmt/format.h>
 
 #include "base/parallel.h"
-#include "describe/whole_frame.h"
+#include "database/whole_frame.h"
 #include "fabmap/chow_liu.h"
 #include "fabmap/model.h"
 #include "fabmap/place_query.h"
 #include "fabmap/vocabulary.h"
 #include "golden/checksums.h"
 #include "golden/recording.h"
-#include "run/open.h"
-#include "run/query.h"
+#include "query/open.h"
+#include "query/run_query.h"
 #include "support.h"
 
 using namespace vpr;

@@ -8,10 +8,10 @@
 #include "base/json.h"
 #include "examples.h"
 #include "loops/loops.h"
-#include "loops/sequence_query.h"
+#include "query/run_query.h"
+#include "query/sequence_query.h"
 #include "reference/reference.h"
 #include "reference/verified_query.h"
-#include "run/query.h"
 #include "support.h"
 #include "truth/times.h"
 

@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
-#include "describe/imported.h"
+#include "database/imported.h"
 #include "match/checks.h"
 #include "match/lsh.h"
 

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/random.h"
-#include "describe/imported.h"
+#include "database/imported.h"
 #include "match/checks.h"
 
 using namespace vpr;

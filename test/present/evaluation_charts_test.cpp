@@ -6,11 +6,11 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
-#include "chart/chart.h"
-#include "chart/charts.h"
-#include "files/report.h"
+#include "evaluate/report.h"
 #include "judgments.h"
 #include "loops/loops_report.h"
+#include "present/chart.h"
+#include "present/charts.h"
 #include "present/matrix_chart.h"
 #include "support.h"
 #include "tune/sweep_report.h"

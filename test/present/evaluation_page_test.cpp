@@ -9,12 +9,12 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "evaluate/metrics.h"
-#include "files/report.h"
+#include "evaluate/report.h"
 #include "judgments.h"
 #include "present/comparison_report.h"
 #include "present/html_page.h"
 #include "present/matrix_chart.h"
-#include "sequence/sequence_source.h"
+#include "recordings/sequence_source.h"
 #include "support.h"
 
 using namespace vpr;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/monitor.h"
-#include "describe/descriptor_rows.h"
+#include "database/descriptor_rows.h"
 #include "match/components.h"
 #include "match/match.h"
 #include "match/zscores.h"

@@ -9,10 +9,10 @@
 
 #include "base/parallel.h"
 #include "match/score_kernels.h"
+#include "query/run_query.h"
 #include "reference/reference.h"
 #include "reference/reference_past.h"
 #include "reference/sampled_cells.h"
-#include "run/query.h"
 
 namespace vpr::test {
 namespace {

@@ -1,7 +1,7 @@
 // Queries whose cells are compared with reference implementations, for every kind of score.
 #pragma once
 
-#include "run/query.h"
+#include "query/run_query.h"
 
 namespace vpr::test {
 

@@ -10,7 +10,7 @@
 #include "base/json.h"
 #include "base/statistics.h"
 #include "cli/building.h"
-#include "describe/whole_frame.h"
+#include "database/whole_frame.h"
 #include "fabmap/local_features.h"
 #include "support.h"
 #include "synth/scene.h"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "sequence/frames.h"
+#include "recordings/frames.h"
 #include "truth/readers.h"
 #include "truth/truth_files.h"
 

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 #include <opencv2/core/mat.hpp>
 
-#include "sequence/frames.h"
-#include "sequence/live_source.h"
-#include "sequence/sequence.h"
-#include "sequence/sequence_source.h"
+#include "recordings/frames.h"
+#include "recordings/live_source.h"
+#include "recordings/sequence.h"
+#include "recordings/sequence_source.h"
 #include "support.h"
 #include "truth/times.h"
 

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "examples.h"
-#include "run/open.h"
+#include "query/open.h"
 
 using namespace vpr;
 

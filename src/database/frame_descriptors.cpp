@@ -1,0 +1,149 @@
+#include "database/frame_descriptors.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cstring>
+#include <mutex>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <opencv2/core/mat.hpp>
+
+#include "base/error.h"
+#include "database/imported.h"
+#include "database/whole_frame.h"
+
+namespace vpr {
+namespace {
+
+// Writes one descriptor per frame, computed from the gray image, to an array of row_bytes() bytes.
+template <auto describe_gray>
+DescriptorSet describe_by(const DescriptorKind& kind, const SequenceSource& sequence,
+                          const DescriptorSettings& settings, Unreadable unreadable,
+                          const Monitor& monitor) {
+  const PixelFormat format = settings.illumination_invariant ? PixelFormat::bgr : PixelFormat::gray;
+  const size_t row_bytes = kind.shape.row_bytes();
+  std::mutex mutex;  // the length of a video is unknown before its end
+  DescriptorSet set;
+  set.descriptors.kind = &kind;
+  std::vector<uint8_t>& rows = set.descriptors.owned;
+  rows.resize(sequence.files.size() * row_bytes);
+  set.sequence = for_each_frame(
+      sequence, format, unreadable, monitor, [&](size_t index, const cv::Mat& image) {
+        const auto row =
+            describe_gray(settings.illumination_invariant ? illumination_invariant(image) : image);
+        assert(row.size() * sizeof(row[0]) == row_bytes);
+        const std::lock_guard lock(mutex);
+        if (index >= rows.size() / row_bytes) rows.resize((index + 1) * row_bytes);
+        std::memcpy(rows.data() + index * row_bytes, row.data(), row_bytes);
+      });
+  rows.resize(set.sequence.frames * row_bytes);  // the last frame of a video may have no image
+  return set;
+}
+
+DescriptorSet import_kind(const DescriptorKind& kind, const SequenceSource& sequence,
+                          const DescriptorSettings& settings, Unreadable unreadable,
+                          const Monitor& monitor) {
+  return import_descriptors(sequence, kind.name, unreadable, monitor, settings.unit);
+}
+
+constexpr DescriptorKind imported(std::string_view name, std::string_view summary,
+                                  ElementType element) {
+  return {name, summary, {element, 0}, import_kind, true};
+}
+
+constexpr std::array<DescriptorKind, 9> kKinds = {{
+    {"ldb", "a binary code of the whole frame, of 1386 bits", kLdbShape, describe_by<describe_ldb>},
+    {"thumbnail",
+     "the frame in 64x32 gray levels, normalized in squares, as in SeqSLAM",
+     {ElementType::gray_levels, std::tuple_size_v<Thumbnail64>},
+     describe_by<describe_thumbnail>},
+    {"hog", "histograms of oriented gradients of the whole frame, 288 values", kHogShape,
+     describe_by<describe_hog>},
+    {"ldb+hog", "both, for z-scores and the filter; other methods use ldb", kLdbHogShape,
+     describe_by<describe_ldb_hog>},
+    imported(kVectorKind, "vectors from files, as 16-bit integers", ElementType::int16),
+    imported(kNarrowVectorKind, "vectors from files, as 8-bit integers", ElementType::int8),
+    imported(kPointKind, "vectors from files with their lengths, as 16-bit integers",
+             ElementType::points16),
+    imported(kDirectionKind, "vectors from files scaled to length 1, as 16-bit integers",
+             ElementType::points16),
+    imported(kBitKind, "bits from files", ElementType::bits),
+}};
+
+}  // namespace
+
+DescriptorSet DescriptorKind::describe(const SequenceSource& sequence,
+                                       const DescriptorSettings& settings, Unreadable unreadable,
+                                       const Monitor& monitor) const {
+  return describe_with(*this, sequence, settings, unreadable, monitor);
+}
+
+std::span<const DescriptorKind> descriptor_kinds() { return kKinds; }
+
+const DescriptorKind* find_descriptor_kind(std::string_view name) {
+  const auto kind = std::ranges::find(kKinds, name, &DescriptorKind::name);
+  return kind == kKinds.end() ? nullptr : &*kind;
+}
+
+const DescriptorKind& descriptor_kind(std::string_view name) {
+  if (const DescriptorKind* kind = find_descriptor_kind(name)) return *kind;
+  std::vector<std::string_view> names;
+  for (const DescriptorKind& kind : kKinds)
+    if (!kind.is_imported) names.push_back(kind.name);
+  throw Error(ErrorKind::usage, "unknown descriptor \"{}\"; choose one of {}", name,
+              fmt::join(names, ", "));
+}
+
+DescriptorShape DescriptorStore::shape() const {
+  return {kind->shape.element, kind->shape.length == 0 ? length : kind->shape.length};
+}
+
+DescriptorRows DescriptorStore::rows() const {
+  if (!array) return {shape(), owned};
+  return {shape(), array->values<uint8_t>(2)};
+}
+
+void DescriptorStore::append(const DescriptorRows& more) {
+  if (rows().empty() && kind->shape.length == 0) length = more.shape.length;
+  assert(more.shape == shape());
+  if (array) {
+    const std::span<const uint8_t> bytes = rows().bytes;
+    owned.assign(bytes.begin(), bytes.end());
+    array = nullptr;
+  }
+  owned.insert(owned.end(), more.bytes.begin(), more.bytes.end());
+}
+
+void DescriptorStore::append(DescriptorStore&& more) {
+  if (!rows().empty()) return append(more.rows());
+  assert(more.kind == kind);
+  owned = std::move(more.owned);
+  array = std::move(more.array);
+  length = more.length;
+}
+
+DescriptorSet selected(DescriptorSet set, const Selection& selection) {
+  if (selection.is_all()) return set;
+  DescriptorSet result;
+  result.descriptors.kind = set.descriptors.kind;
+  result.descriptors.unit = set.descriptors.unit;
+  const DescriptorRows rows = set.rows();
+  for (const uint32_t source : selection.sources)
+    result.descriptors.append(rows.subspan(source, 1));
+  result.sequence = selected(set.sequence, selection);
+  return result;
+}
+
+std::vector<LdbCode> ldb_codes(const DescriptorSet& set) {
+  const DescriptorRows rows = set.rows();
+  assert(rows.shape == kLdbShape);
+  std::vector<LdbCode> codes(rows.size());
+  if (!codes.empty()) std::memcpy(codes.data(), rows.bytes.data(), rows.bytes.size());
+  return codes;
+}
+
+}  // namespace vpr

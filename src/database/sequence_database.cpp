@@ -1,0 +1,303 @@
+#include "database/sequence_database.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "base/mapped_file.h"
+#include "base/provenance.h"
+#include "base/text.h"
+#include "database/archive.h"
+#include "recordings/sequence_json.h"
+
+namespace vpr {
+
+template <class Visitor>
+void visit_fields(TrainSequence& train, Visitor&& visit) {
+  Sequence& sequence = train.sequence;
+  visit_sequence(sequence, visit, [&] {
+    visit("unreadable", sequence.unreadable);
+    visit("typical_distance", IfSet{train.typical_distance});
+    visit("exclusion_radius", IfSet{train.exclusion_radius});
+    visit("size", IfSet{sequence.size});
+  });
+}
+
+namespace {
+
+constexpr uint64_t kMaxImageSide = uint64_t{1} << 20;  // pixels, as OpenCV decodes
+constexpr const char* kCodesFile = "codes.npy";
+constexpr const char* kFramesFile = "frames.txt";
+constexpr const char* kSourcesFile = "selected_frames.npy";  // selected frames of recordings
+constexpr const char* kStatisticsFile = "statistics.npy";
+
+std::string one_line(std::string text) {
+  std::ranges::replace(text, '\n', ' ');
+  return text;
+}
+
+// Upper bound of the distances of stored descriptors.
+double most_distance(const DescriptorShape& shape) {
+  constexpr size_t kMost = 65535;
+  return static_cast<double>(
+      shape.element == ElementType::bits ? std::min(8 * shape.row_bytes(), kMost) : kMost);
+}
+
+// A number of at most `most`, and above 0 or at least 0.
+double read_number(const Fields& fields, const std::string& key,
+                   double most = std::numeric_limits<double>::max(), bool may_be_zero = false) {
+  const Json& json = fields[key];
+  if (!json.is_number()) fields.fail(fmt::format("\"{}\" is not a number", key));
+  const auto number = json.get<double>();
+  if (!(number >= 0 && number <= most) || (number == 0 && !may_be_zero))
+    fields.fail(fmt::format("\"{}\" is out of range", key));
+  return number;
+}
+
+// Pointers to the sequences of a database.
+auto pointers_of(auto& sequences) {
+  std::vector<decltype(&sequences.front().sequence)> pointers;
+  for (auto& train : sequences) pointers.push_back(&train.sequence);
+  return pointers;
+}
+
+std::vector<TrainSequence> read_sequences(const Archive& archive,
+                                          const std::vector<std::string_view>& frame_names,
+                                          const DescriptorShape& shape) {
+  std::vector<TrainSequence> sequences;
+  const Fields manifest = archive.fields(archive.manifest());
+  manifest.read("sequences", sequences);
+  auto first = frame_names.begin();
+  for (TrainSequence& train : sequences) {
+    Sequence& sequence = train.sequence;
+    check_sequence(sequence, static_cast<uint64_t>(frame_names.end() - first), manifest.source());
+    if (sequence.frames == 0) archive.fail("its frame counts do not match frames.txt");
+    if (std::ranges::count(sequences, sequence.name,
+                           [](const TrainSequence& one) { return one.sequence.name; }) > 1)
+      archive.fail("two sequences have the same name");
+    const double distance = train.typical_distance.value_or(-1);
+    if (!(distance >= 0 && distance <= most_distance(shape)))
+      archive.fail("\"typical_distance\" is out of range");
+    const size_t radius = train.exclusion_radius.value_or(0);
+    if (radius == 0 || radius > sequence.frames)
+      archive.fail("\"exclusion_radius\" is out of range");
+    if (sequence.size && std::ranges::max(*sequence.size) > kMaxImageSide)
+      archive.fail("\"size\" is out of range");
+    const auto end = first + static_cast<ptrdiff_t>(sequence.frames);
+    sequence.frame_names.assign(first, end);
+    first = end;
+  }
+  if (sequences.empty() || first != frame_names.end())
+    archive.fail("its frame counts do not match frames.txt");
+  read_sources(
+      pointers_of(sequences),
+      [&] {
+        const NpyArray array = archive.array(kSourcesFile);
+        const auto rows = array.values<int32_t>(1);
+        return std::vector<int32_t>(rows.begin(), rows.end());
+      },
+      [&] { archive.fail("selected_frames.npy does not fit its sequences"); });
+  return sequences;
+}
+
+std::vector<ThresholdTable> read_thresholds(const Fields& manifest,
+                                            const std::vector<TrainSequence>& sequences) {
+  std::vector<ThresholdTable> tables;
+  manifest.read("thresholds", tables);
+  for (const ThresholdTable& table : tables) {
+    const auto fits = [&](size_t sequence, size_t window) {
+      return sequence < sequences.size() &&
+             table.window_length <= sequences[sequence].sequence.frames &&
+             window <= sequences[sequence].sequence.frames - table.window_length;
+    };
+    if (!(table.safety_factor > 0 && table.safety_factor <= 1e6))
+      manifest.fail("\"safety_factor\" is out of range");
+    if (table.window_length == 0 || table.closest.size() != sequences.size())
+      manifest.fail("its thresholds do not fit its sequences");
+    for (size_t s = 0; s < sequences.size(); ++s)
+      if (const auto& closest = table.closest[s];
+          closest &&
+          (!fits(s, closest->window) || !fits(closest->other_sequence, closest->other_window)))
+        manifest.fail("a closest pair of windows is out of range");
+  }
+  return tables;
+}
+
+std::vector<std::pair<size_t, size_t>> read_overlapping_sequences(const Fields& manifest,
+                                                                  size_t sequences) {
+  std::vector<std::array<size_t, 2>> lists;
+  manifest.read("overlapping_sequences", lists);
+  std::vector<std::pair<size_t, size_t>> pairs;
+  for (const auto& [a, b] : lists) {
+    if (a >= b || b >= sequences || (!pairs.empty() && std::pair(a, b) <= pairs.back()))
+      manifest.fail("its \"overlapping_sequences\" are out of range or order");
+    pairs.emplace_back(a, b);
+  }
+  return pairs;
+}
+
+std::vector<RepeatedPlace> read_repeated_places(const Fields& manifest, size_t frames) {
+  std::vector<std::array<uint32_t, 2>> pairs;
+  manifest.read("repeated_places", pairs);
+  std::vector<RepeatedPlace> places;
+  for (const auto& [frame, first_pass] : pairs) {
+    if (frame >= frames || first_pass >= frame || (!places.empty() && frame <= places.back().frame))
+      manifest.fail("its \"repeated_places\" are not pairs of frames in order");
+    places.push_back({frame, first_pass});
+  }
+  return places;
+}
+
+TrainStatistics read_statistics(const Archive& archive, size_t frame_count,
+                                const DescriptorShape& shape) {
+  const Fields fields = archive.fields(archive.manifest()).object("statistics");
+  TrainStatistics statistics;
+  statistics.typical_distance = read_number(fields, "typical_distance", most_distance(shape), true);
+  Json json = fields.json();
+  json.erase("typical_distance");
+  if (shape.element == ElementType::ldb_hog)
+    statistics.code_distance = read_number(fields, "code_distance", kLdbBits, true);
+  json.erase("code_distance");
+  value_from_json(json, statistics.settings, JsonSource{archive.name(), kStoredSettingsForm},
+                  "statistics");
+  const NpyArray rows = archive.array(kStatisticsFile);
+  const auto values = rows.values<float>(2);
+  if (rows.shape()[0] != frame_count || rows.shape()[1] != 2)
+    archive.fail("statistics.npy does not have one row of 2 values per frame");
+  const auto most = static_cast<float>(most_distance(shape));
+  for (size_t i = 0; i < values.size(); i += 2) {
+    if (!(std::abs(values[i]) <= most) || !(values[i + 1] >= 0 && values[i + 1] <= most * most))
+      archive.fail("statistics.npy holds a value out of range");
+    statistics.bias.push_back(values[i]);
+    statistics.variance.push_back(values[i + 1]);
+  }
+  return statistics;
+}
+
+void read_paths(const std::filesystem::path& file, std::vector<TrainSequence>& sequences) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return;
+  const std::string text = read_whole_file(file);
+  const auto lines = split_lines(text);
+  for (size_t s = 0; s < std::min(lines.size(), sequences.size()); ++s)
+    sequences[s].path = lines[s];
+}
+
+// Returns the fingerprint.
+std::string write_content(const SequenceDatabase& database, ArchiveWriter writer) {
+  const DescriptorRows rows = database.descriptors.rows();
+  writer.add_array(kCodesFile, rows.bytes, {rows.size(), rows.shape.row_bytes()});
+  std::string names;  // one per line, in the order of the codes
+  for (const TrainSequence& train : database.sequences)
+    for (const std::string& name : train.sequence.frame_names) names += one_line(name) + "\n";
+  writer.add_text(kFramesFile, names);
+  const std::vector<int32_t> sources = source_rows(pointers_of(database.sequences));
+  if (!sources.empty())
+    writer.add_array(kSourcesFile, std::span<const int32_t>(sources), {sources.size()});
+  if (const auto& statistics = database.statistics) {
+    std::vector<float> values;  // bias and variance of every frame, interleaved
+    for (size_t i = 0; i < statistics->bias.size(); ++i)
+      values.insert(values.end(), {statistics->bias[i], statistics->variance[i]});
+    writer.add_array(kStatisticsFile, std::span<const float>(values), {rows.size(), 2});
+  }
+  Json manifest = {{"schema", schema_name("database")},
+                   {"method", enum_name(DatabaseFamily::sequences)},
+                   {"descriptor", database.descriptors.kind->name}};
+  if (database.descriptors.kind->is_imported) manifest["length"] = rows.shape.length;
+  if (rows.shape.element == ElementType::points16) manifest["unit"] = database.descriptors.unit;
+  manifest["settings"] = value_to_json(database.descriptor);
+  manifest["sequences"] = value_to_json(database.sequences, kDataForm);
+  manifest["thresholds"] = value_to_json(database.thresholds, kDataForm);
+  if (database.overlapping_sequences)
+    manifest["overlapping_sequences"] = *database.overlapping_sequences;
+  if (database.repeated_places) {
+    manifest["repeated_places"] = Json::array();
+    for (const RepeatedPlace& place : *database.repeated_places)
+      manifest["repeated_places"].push_back({place.frame, place.first_pass});
+  }
+  if (database.statistics) {
+    manifest["statistics"] = value_to_json(database.statistics->settings);
+    manifest["statistics"]["typical_distance"] = database.statistics->typical_distance;
+    if (const auto& distance = database.statistics->code_distance)
+      manifest["statistics"]["code_distance"] = *distance;
+  }
+  manifest["provenance"] = {
+      {"program", "vpr-train"}, {"version", program_version()}, {"commit", program_commit()}};
+  return writer.finish(manifest);
+}
+
+}  // namespace
+
+SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
+  const Archive archive(path);
+  require_family(archive, DatabaseFamily::sequences);
+  SequenceDatabase database;
+  database.fingerprint = archive.fingerprint();
+  const Fields manifest = archive.fields(archive.manifest());
+  manifest.read_settings("settings", database.descriptor);
+  const std::string descriptor = manifest.text("descriptor");
+  const DescriptorKind* kind = find_descriptor_kind(descriptor);
+  if (kind == nullptr)
+    throw Error(ErrorKind::data,
+                "{}: its frames are described by {}, which this version does not support",
+                archive.name(), descriptor);
+  DescriptorShape shape = kind->shape;
+  if (shape.length == 0) shape.length = manifest.count("length", max_elements(shape.element));
+  if (shape.length == 0) archive.fail("\"length\" is out of range");
+  const std::string names = archive.text(kFramesFile);
+  auto frame_names = split(names, '\n');
+  if (frame_names.back().empty()) frame_names.pop_back();  // after the end of the last line
+  database.sequences = read_sequences(archive, frame_names, shape);
+  read_paths(path / kPathsName, database.sequences);
+  database.thresholds = read_thresholds(manifest, database.sequences);
+  const size_t frames = frame_names.size();
+  NpyArray codes = archive.array(kCodesFile);
+  codes.values<uint8_t>(2);
+  if (codes.shape()[0] != frames || codes.shape()[1] != shape.row_bytes())
+    archive.fail(
+        fmt::format("codes.npy does not have one row of {} bytes per frame", shape.row_bytes()));
+  const bool has_unit = shape.element == ElementType::points16;
+  database.descriptors = {kind,
+                          {},
+                          std::make_shared<const NpyArray>(std::move(codes)),
+                          shape.length,
+                          has_unit ? read_number(manifest, "unit") : 0};
+  database.statistics = read_statistics(archive, frames, shape);
+  database.overlapping_sequences = read_overlapping_sequences(manifest, database.sequences.size());
+  if (manifest.has("repeated_places"))
+    database.repeated_places = read_repeated_places(manifest, frames);
+  return database;
+}
+
+void write_sequence_database(const std::filesystem::path& path, const SequenceDatabase& database,
+                             Outputs& outputs) {
+  Output& folder = outputs.folder(path, is_database_folder);
+  std::string paths;
+  for (const TrainSequence& train : database.sequences) paths += one_line(train.path) + "\n";
+  write_part(folder.temporary() / kPathsName, paths);
+  write_content(database, ArchiveWriter(&folder));
+}
+
+std::string database_fingerprint(const SequenceDatabase& database) {
+  return write_content(database, ArchiveWriter(nullptr));
+}
+
+std::vector<std::string> names_of(const SequenceDatabase& database) {
+  std::vector<std::string> names;
+  for (const TrainSequence& train : database.sequences) names.push_back(train.sequence.name);
+  return names;
+}
+
+const ThresholdTable* find_thresholds(std::span<const ThresholdTable> tables,
+                                      size_t window_length) {
+  for (const ThresholdTable& table : tables)
+    if (table.window_length == window_length) return &table;
+  return nullptr;
+}
+
+}  // namespace vpr

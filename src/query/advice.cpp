@@ -1,0 +1,197 @@
+#include "query/advice.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/text.h"
+#include "query/open.h"
+#include "query/train_sequences.h"
+
+namespace vpr {
+
+namespace {
+
+constexpr size_t kFewest = 4;     // one recognized frame in four is enough
+constexpr size_t kSlowStart = 4;  // paths of keyframes before the first decision, at most
+
+// The mean speed of the longest path, in time if the rates of both sequences are known; nullopt
+// without a path of several frames.
+std::optional<double> recognized_speed(const Result& result) {
+  const auto length = [](const Cluster& path) { return path.query_last - path.query_first; };
+  const auto longest = std::ranges::max_element(result.clusters->all, {}, length);
+  if (longest == result.clusters->all.end()) return std::nullopt;
+  const auto rate = mean_rate(*longest);
+  const auto& train_fps = result.sequences[longest->sequence].sequence.fps;
+  if (!rate || !train_fps || !result.query.fps) return rate;
+  return *rate * *result.query.fps / *train_fps;
+}
+
+// The result of default_filter.
+Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
+                const SequenceQuerySettings& settings, const QueryResources& resources,
+                const Monitor& monitor) {
+  const Monitor unwarned = {monitor.progress, {}, monitor.stop};
+  return run_query(plan_query(database, query, "", default_filter(settings), resources, unwarned),
+                   {}, unwarned)
+      .result;
+}
+
+// The database with every `step`-th training frame.
+SequenceDatabase thinned(const SequenceDatabase& database, size_t step, const Monitor& monitor) {
+  SequenceDatabase thin;
+  thin.descriptor = database.descriptor;
+  thin.descriptors.kind = database.descriptors.kind;
+  thin.descriptors.unit = database.descriptors.unit;
+  const std::vector<DescribedFrames> spans = descriptor_spans(database);
+  for (size_t s = 0; s < spans.size(); ++s) {
+    Sequence& sequence = thin.sequences.emplace_back().sequence;
+    sequence.name = database.sequences[s].sequence.name;
+    const std::vector<size_t>& unreadable = database.sequences[s].sequence.unreadable;
+    for (size_t frame = 0; frame < spans[s].rows.size(); frame += step) {
+      thin.descriptors.append(spans[s].rows.subspan(frame, 1));
+      if (std::ranges::binary_search(unreadable, frame))
+        sequence.unreadable.push_back(sequence.frames);
+      ++sequence.frames;
+    }
+  }
+  ensure_statistics(thin, monitor);
+  return thin;
+}
+
+// "15 of 56 frames".
+std::string recognized_text(const Result& result) {
+  return fmt::format("{} of {}", recognized_windows(result), counted(result.query.frames, "frame"));
+}
+
+// A sentence if enough frames are recognized with every second or third frame of one side; empty if
+// not.
+std::string sparse_advice(const SequenceDatabase& database, const DescriptorSet& query,
+                          const SequenceQuerySettings& settings, const QueryResources& resources,
+                          const Monitor& monitor) {
+  const Monitor silent = {{}, {}, monitor.stop};
+  for (const auto& [step, ordinal] : {std::pair(2, "second"), std::pair(3, "third")}) {
+    const Selection some = at_speed(std::to_string(step), query.rows().size(), 1);
+    const bool is_flag_free = query.sequence.selection.speed.empty();
+    if (const Result found =
+            filtered(database, selected(query, some), settings, resources, monitor);
+        !needs_advice(found))
+      return fmt::format(
+          "With every {} query frame{}, {} are recognized: the query is slow for the training "
+          "sequence, or the training sequence has too few frames per second.",
+          ordinal, is_flag_free ? fmt::format(" (--speed {})", step) : "", recognized_text(found));
+    if (const Result found =
+            filtered(thinned(database, step, silent), query, settings, resources, monitor);
+        !needs_advice(found))
+      return fmt::format(
+          "With every {} training frame, {} are recognized: the query is fast for the training "
+          "sequence. Train with PATH@::{}.",
+          ordinal, recognized_text(found), step);
+  }
+  return "";
+}
+
+}  // namespace
+
+SequenceQuerySettings default_filter(const SequenceQuerySettings& settings) {
+  Filter filter;
+  filter.same_place = same_place_of(settings.rule);
+  return {filter, settings.only_sequences, settings.skip_unreadable};
+}
+
+std::optional<std::string> excess_advice(const Result& result) {
+  constexpr double kMostShare = 0.2;
+  std::vector<uint64_t> counts(result.sequences.size());
+  for (const Match& recognition : result.recognitions) ++counts[recognition.sequence];
+  const auto queries = static_cast<double>(
+      std::ranges::count_if(result.best, [](const auto& best) { return best.has_value(); }));
+  double largest = 0;
+  size_t worst = 0;
+  size_t excesses = 0;
+  for (size_t s = 0; s < counts.size(); ++s) {
+    const auto windows = static_cast<double>(result.sequences[s].windows);
+    const double share = static_cast<double>(counts[s]) / (windows * queries);
+    if (!result.sequences[s].threshold || !(share > kMostShare)) continue;
+    ++excesses;
+    if (share > largest) worst = s;
+    largest = std::max(largest, share);
+  }
+  if (excesses == 0) return std::nullopt;
+  return fmt::format(
+      "t_r accepts {:.0f} % of the window pairs of {}{}: too many to tell places apart",
+      100 * largest, result.sequences[worst].sequence.name,
+      excesses == 1
+          ? ""
+          : ", and more than a fifth of " + counted(excesses - 1, "other training sequence"));
+}
+
+std::string no_recognition_advice(const Result& result) {
+  const auto& settings = std::get<SequenceQuerySettings>(result.settings);
+  if (std::ranges::none_of(result.best, [](const auto& best) { return best.has_value(); }))
+    return "No window has a match: none has an earlier readable window beyond --gap.";
+  if (decision_of(settings.rule) == Decision::threshold) {
+    const bool has_threshold = std::ranges::any_of(
+        result.sequences, [](const ComparedSequence& t) { return t.threshold.has_value(); });
+    return has_threshold ? "Nothing is recognized: no score is below t_r."
+                         : "Best matches only: a recognition needs --t-r, or --decide margin with "
+                           "--margin.";
+  }
+  const bool has_margin =
+      std::ranges::any_of(result.margins, [](const auto& margin) { return margin.has_value(); });
+  return has_margin ? "Nothing is recognized: no best match has the margin."
+                    : "Nothing is recognized: no training frame is outside the exclusion zone "
+                      "(--exclusion-frames) of a best match. Use longer sequences.";
+}
+
+std::string filter_advice(const SequenceDatabase& database, const DescriptorSet& query,
+                          const SequenceQuerySettings& settings, const QueryResources& resources,
+                          const Monitor& monitor) {
+  constexpr double kSameSpeed = 1.2;  // and its inverse
+  const Result forward = filtered(database, query, settings, resources, monitor);
+  if (needs_advice(forward)) {
+    const size_t keyframes = forward.keyframes ? forward.keyframes->query.size() : 0;
+    size_t trained = 0;  // keyframes of the longest training sequence
+    if (forward.keyframes)
+      for (const auto& of_sequence : forward.keyframes->train)
+        trained = std::max(trained, of_sequence.size());
+    const uint64_t needed = FilterSettings{}.path_keyframes;
+    if (std::min(keyframes, trained) < needed)
+      return fmt::format(
+          "The {} has {} (frames that differ clearly), and the filter needs a path of {}: "
+          "record a longer walk.",
+          keyframes < needed ? "query" : "training sequence",
+          counted(std::min(keyframes, trained), "keyframe"), needed);
+    const size_t frames = query.rows().size();
+    if (const size_t reversed = *forward.path->reversed_frames; kFewest * reversed >= frames)
+      return fmt::format(
+          "The query walked in the opposite direction: with reversed training sequences, {} of {} "
+          "are recognized. Train this direction in a database of its own.",
+          reversed, counted(frames, "frame"));
+    if (const std::string sparse = sparse_advice(database, query, settings, resources, monitor);
+        !sparse.empty())
+      return sparse;
+    return fmt::format(
+        "The filter recognizes {} at 0.5 to 2 times the trained speed, and fewer than a quarter "
+        "in the opposite direction, or with every second or third frame of either side: {} may "
+        "show another place{}.",
+        recognized_text(forward), forward.recognitions.empty() ? "the query" : "the others",
+        std::min(keyframes, trained) < kSlowStart * needed
+            ? fmt::format(", or {} {} keyframes are too few for a decision, which needs up to {}",
+                          keyframes <= trained ? "its" : "the training sequence's",
+                          std::min(keyframes, trained), kSlowStart * needed)
+            : "");
+  }
+  const auto speed = recognized_speed(forward);
+  const bool is_same_speed = !speed || (*speed <= kSameSpeed && *speed >= 1 / kSameSpeed);
+  return fmt::format("With default settings (--method filter, margin {:g}), {} are recognized{}.",
+                     kFilterMargin, recognized_text(forward),
+                     is_same_speed ? "" : fmt::format(", at about {:.1f} times the speed", *speed));
+}
+
+bool needs_advice(const Result& result) {
+  return result.path ? kFewest * recognized_windows(result) < result.query.frames
+                     : result.recognitions.empty();
+}
+
+}  // namespace vpr

@@ -1,0 +1,31 @@
+// Advice for a query that recognizes nothing, or everything.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "query/run_query.h"
+
+namespace vpr {
+
+/// The filter with default settings, on the same frames and training sequences as `settings`.
+SequenceQuerySettings default_filter(const SequenceQuerySettings& settings);
+
+/// A sentence if more than a fifth of the window pairs of a training sequence are recognitions.
+std::optional<std::string> excess_advice(const Result& result);
+
+/// Whether a result deserves advice: windows without a recognition, or a filter that recognizes
+/// less than a quarter of the frames.
+bool needs_advice(const Result& result);
+
+/// A sentence about a loop query without recognitions, from its settings alone.
+std::string no_recognition_advice(const Result& result);
+
+/// A sentence about a query that needs advice: the number of its frames that default_filter
+/// recognizes, and the speed of its longest path, or the number of frames that walk in the opposite
+/// direction. The database has statistics (ensure_statistics).
+std::string filter_advice(const SequenceDatabase& database, const DescriptorSet& query,
+                          const SequenceQuerySettings& settings, const QueryResources& resources,
+                          const Monitor& monitor);
+
+}  // namespace vpr

@@ -1,0 +1,52 @@
+// A live query from frames to the lines of JSON of vpr-query live (vpr.live/3).
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "query/live_query.h"
+#include "query/result_file.h"
+#include "recordings/live_source.h"
+
+namespace vpr {
+
+/// The newest frame of a live query.
+struct LineFrame {
+  size_t number = 0;
+  std::string name;
+  bool is_readable = true;
+};
+
+/// docs/schemas/live.schema.json. `window`: the query window that ends at the frame. Null `result`:
+/// the frame ends no window.
+Json live_line(const LineFrame& frame, const Result* result, size_t window);
+
+class LiveLines {
+ public:
+  /// Throws as LiveQuery does. The database must outlive it.
+  LiveLines(const SequenceDatabase& database, const std::string& query_name,
+            const SequenceQuerySettings& settings, const QueryResources& resources,
+            const Monitor& monitor);
+
+  /// Describes and matches the next frame, and returns as LiveQuery::take does. A frame that cannot
+  /// be decoded throws Error(input); with skip_unreadable, it is a warning, and the frame is
+  /// missing. A frame that may be gone and is, is a warning, and not counted.
+  std::optional<Result> take(const LiveFrame& frame, const Monitor& monitor);
+  /// As LiveQuery::finish.
+  std::optional<Result> finish() { return query_.finish(); }
+  /// The number of frames that were counted.
+  size_t frames() const { return frames_; }
+  /// The latest frame; there must be one.
+  const LineFrame& last() const { return last_; }
+  /// The line of the latest frame with its result.
+  Json line(const std::optional<Result>& result) const;
+
+ private:
+  const SequenceDatabase& database_;
+  bool skip_unreadable_;
+  LiveQuery query_;
+  size_t frames_ = 0;
+  LineFrame last_;
+};
+
+}  // namespace vpr

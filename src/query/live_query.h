@@ -1,0 +1,68 @@
+// A live query: its frames arrive one after the other.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "query/run_query.h"
+
+namespace vpr {
+
+/// A frame that has arrived.
+struct ArrivedFrame {
+  DescriptorRow descriptor;  ///< zeros for an unreadable frame
+  bool is_readable = true;
+};
+
+/// The scores of the latest frame. Only the earlier frames that the score stages need are
+/// stored: the memory does not grow with the query. Copies share state.
+struct LiveScores {
+  FrameDistances raw;  ///< of a query without frames
+  std::vector<StartedStage> stages;
+  std::vector<uint8_t> bytes;      ///< of the stored rows, the latest frame last
+  std::vector<size_t> unreadable;  ///< of the stored rows
+  FrameDistances scores;           ///< of the stored rows
+  size_t frames = 0;               ///< that have arrived
+
+  /// The row of the latest frame, which must exist.
+  size_t last_row() const { return scores.query_frames - 1; }
+};
+
+/// `raw`: of a query without frames, with of_query.
+LiveScores start_live(const FrameDistances& raw, const ScoreStages& stages);
+
+/// Adds the next frame, which is copied. Rows of `scores` are valid until the next call.
+void add_frame(LiveScores& live, ArrivedFrame frame);
+
+/// Yields the results of run_query for every window once its last frame arrives, by the same steps.
+class LiveQuery {
+ public:
+  /// `settings`: of vpr-query live (choose_query). Throws what plan_query throws, and
+  /// Error(usage) if the distances of a window exceed the memory limit. The database must outlive
+  /// the query.
+  LiveQuery(const SequenceDatabase& database, const std::string& query_name,
+            const SequenceQuerySettings& settings, const QueryResources& resources,
+            const Monitor& monitor);
+
+  /// Adds the next frame. Returns the result of the window that ends with it, without clusters;
+  /// nullopt if the last c_l frames are not all readable. With the filter, recognitions are those
+  /// of the frames that this frame decides, by query frame.
+  std::optional<Result> take(const ArrivedFrame& frame);
+
+  /// With the filter: the last match, and the recognitions that the end of the query decides;
+  /// nullopt without recognitions.
+  std::optional<Result> finish();
+
+ private:
+  QueryPlan plan_;
+  LiveScores frames_;
+  WindowStage windows_;
+  size_t readable_frames_ = 0;  ///< consecutive ones, up to the latest frame
+
+  // With the filter:
+  std::optional<Result> take_path(const QueryFrame& frame);
+  std::optional<PathDecisions> decisions_;
+  std::optional<Result> last_;  ///< of the latest frame
+};
+
+}  // namespace vpr

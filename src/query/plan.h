@@ -1,0 +1,81 @@
+// A query by a sequence method, resolved before any distance is computed.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "database/sequence_database.h"
+#include "match/match.h"
+#include "query/exclusion_zones.h"
+#include "query/query_settings.h"
+#include "query/result.h"
+#include "query/scores.h"
+
+namespace vpr {
+
+/// Resources of a query. Only the method lsh has other results for another seed.
+struct QueryResources {
+  size_t memory_limit = kDefaultMemoryLimit;  ///< bytes for rings and recognitions
+  uint64_t seed = 1;                          ///< of lsh and intervals
+};
+
+/// Recognizes all pairs of windows whose score is below the limit of their training sequence;
+/// without limits, there are only best matches.
+struct ByThreshold {};
+
+/// Recognizes best matches with the margin of their training sequence.
+struct ByMargin {};
+
+/// Recognizes the matches of paths with this margin, in units of the filter's values.
+struct ByPath {
+  uint32_t least_margin = 0;
+};
+
+using QueryDecision = std::variant<ByThreshold, ByMargin, ByPath>;
+
+/// The frames to compare, the stages of their scores and windows, and the decision of a query.
+/// Points into its database and its query.
+struct QueryPlan {
+  Result result;  ///< without matches: frames, thresholds and margins, and the settings to record
+  DescribedFrames query;
+  std::vector<DescribedFrames> train;  ///< all sequences, also those that are not searched
+  std::vector<uint32_t> past;          ///< for a loop query (FrameDistances::past)
+  ScoreStages scores;
+  MatchSettings match;                            ///< the window stage, and its resources
+  std::optional<ExclusionZones> exclusion_zones;  ///< nullopt: no margins
+  QueryDecision decision;
+  /// For keyframes: the mean distance of training frames, nullopt if unknown.
+  std::optional<double> typical_distance;
+};
+
+/// Throws Error(data) for descriptors of different kinds or lengths.
+void check_descriptors(const DescriptorStore& trained, const DescriptorStore& queried);
+
+/// Computes automatic thresholds that the database lacks. For a loop query, `database` is
+/// own_database() of the query, and `times_ns` has the non-decreasing times of its frames for a gap
+/// in seconds. Throws what check_settings throws, Error(usage) for an unknown sequence name, and
+/// for a query or training sequences that are all shorter than a window, Error(data) for
+/// descriptors of different kinds. Database and query must outlive the plan.
+QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
+                     const std::string& query_name, const SequenceQuerySettings& settings,
+                     const QueryResources& resources, const Monitor& monitor,
+                     std::span<const int64_t> times_ns = {});
+
+/// The same plan with the threshold or margin of `settings`, which may differ in nothing else.
+QueryPlan with_limit(const QueryPlan& plan, const SequenceDatabase& database,
+                     const SequenceQuerySettings& settings, const Monitor& monitor);
+
+/// Plans one window of a query whose frames are not known yet and are described like the database.
+QueryPlan plan_window(const SequenceDatabase& database, const std::string& query_name,
+                      const SequenceQuerySettings& settings, const QueryResources& resources,
+                      const Monitor& monitor);
+
+/// Whether thresholds are relative to the largest distance of each sequence.
+bool needs_maxima(const QueryPlan& plan);
+
+/// Sets the limits of these thresholds; `maxima`: the largest distances, by sequence.
+void set_relative_limits(QueryPlan& plan, const std::vector<uint32_t>& maxima);
+
+}  // namespace vpr

@@ -1,0 +1,286 @@
+#include "query/result_file.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "base/checksum.h"
+#include "base/error.h"
+#include "base/provenance.h"
+#include "database/archive.h"
+#include "recordings/sequence_json.h"
+
+namespace vpr {
+
+template <class Visitor>
+void visit_fields(UsedStatistics& statistics, Visitor&& visit) {
+  visit_fields(statistics.settings, visit);
+  visit("typical_distance", statistics.typical_distance);
+}
+
+VPR_FIELDS(SearchRecall, windows, found_best, recognitions, found_recognitions)
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMostFrames = std::numeric_limits<int32_t>::max();
+
+struct ResultContent {
+  Result& result;
+  ResultContext& context;
+
+  bool has_places() const { return std::holds_alternative<FabmapQuerySettings>(result.settings); }
+};
+
+Json clusters_json(const Clusters& clusters, size_t length) {
+  const auto extent = [&](size_t window, size_t first, size_t last) -> Json {
+    return {{"window", window},     {"anchor", anchor_of(window, length)},
+            {"first", first},       {"last", last},
+            {"first_frame", first}, {"last_frame", anchor_of(last, length)}};
+  };
+  Json json = Json::array();
+  for (const Cluster& one : clusters.all)
+    json.push_back({{"sequence", one.sequence},
+                    {"query", extent(one.query_window, one.query_first, one.query_last)},
+                    {"train", extent(one.train_window, one.train_first, one.train_last)},
+                    {"recognitions", one.recognitions},
+                    {"best_score", static_cast<int64_t>(one.best_score)}});
+  return json;
+}
+
+/// A sum of scores, which is smaller in files by `offset`.
+auto sum_field(uint32_t& sum, int64_t offset) {
+  return CustomField{
+      [&sum, offset](Json& json, const std::string& key) { json[key] = sum - offset; },
+      [&sum, offset](const Fields& fields, const std::string& key) {
+        constexpr int64_t kMost = int64_t{1} << 33;  // above any sum; the addition cannot overflow
+        int64_t number = 0;
+        fields.read(key, number);
+        if (number <= -kMost || number >= kMost || !std::in_range<uint32_t>(number + offset))
+          fields.fail(fmt::format("\"{}\" is out of range", key));
+        sum = static_cast<uint32_t>(number + offset);
+      }};
+}
+
+template <class Visitor>
+void visit_query(ResultContent& content, Visitor&& visit) {
+  Result& result = content.result;
+  visit_sequence(result.query, visit, [&] {
+    visit("windows", result.query_windows);
+    visit("unreadable", result.query.unreadable);
+  });
+  if (content.has_places()) visit("featureless", result.places->featureless);
+}
+
+template <class Visitor>
+void visit_compared(ComparedSequence& compared, ResultContent& content, Visitor&& visit) {
+  visit_sequence(compared.sequence, visit, [&] {
+    visit("windows", compared.windows);
+    visit("searched", compared.searched);
+  });
+  if (!compared.searched || content.has_places()) return;
+  visit("t_r", compared.threshold);
+  visit("t_r_scale", compared.scale);
+  visit("limit", sum_field(compared.distance_limit,
+                           content.result.score().offset(content.result.window_length())));
+  visit("max_distance", IfSet{compared.max_distance});
+  visit("margin", IfSet{compared.margin});
+}
+
+template <class Visitor>
+void visit_context(ResultContext& context, Visitor&& visit) {
+  RunInfo& run = context.run;
+  visit("provenance", NestedObject{[&](auto&& inner) {
+          inner("program", run.program);
+          inner("version", Derived{program_version()});
+          inner("commit", Derived{program_commit()});
+          inner("seed", run.seed);
+          inner("database", context.database_fingerprint);
+          inner("query", context.query_fingerprint);
+        }});
+  visit("machine",
+        CustomField{[&](Json& json, const std::string& key) { json[key] = machine_json(run); },
+                    [&](const Fields& fields, const std::string& key) {
+                      if (fields.has(key)) read_machine(fields.object(key), run);
+                    }});
+  visit("timing", Derived{timing_json(context.seconds)});
+  // A saved matrix or posteriors are listed before the companions, arrays alone after them.
+  const bool is_saved = context.files.count("matrix") + context.files.count("posteriors") > 0;
+  if (is_saved) visit("files", context.files);
+  visit("companions", Unless{context.companions, {}});
+  if (!is_saved) visit("files", Unless{context.files, {}});
+}
+
+template <class Visitor>
+void visit_fields(ResultContent& content, Visitor&& visit) {
+  Result& result = content.result;
+  ResultContext& context = content.context;
+  visit("schema", Derived{schema_name("result")});
+  visit("method", Derived{method_of(result.settings)});
+  const auto write_settings = [&](Json& json, const std::string& key) {
+    json[key] = settings_in_force(result.settings);
+  };
+  visit("settings", CustomField{write_settings, [&](const Fields& fields, const std::string&) {
+                                  result.settings = read_query_settings(fields);
+                                  if (content.has_places()) result.places.emplace();
+                                }});
+  visit("statistics", IfSet{result.statistics});
+  visit("query", NestedObject{[&](auto&& inner) { visit_query(content, inner); }});
+  visit("sequences", NestedList{result.sequences, [&](ComparedSequence& compared, auto&& inner) {
+                                  visit_compared(compared, content, inner);
+                                }});
+  if (content.has_places())
+    visit("places", NestedObject{[&](auto&& inner) {
+            inner("names", result.places->names);
+            inner("views", result.places->views);
+          }});
+  visit("totals", NestedObject{[&](auto&& inner) {
+          inner("recognitions", Derived{result.recognitions.size()});
+          const auto write = [&](Json& json, const std::string& key) {
+            if (result.path && result.path->reversed_frames)
+              json[key] = *result.path->reversed_frames;
+          };
+          inner("reversed_frames",
+                CustomField{write, [&](const Fields& fields, const std::string& key) {
+                              std::optional<size_t> frames;
+                              fields.read_if_set(key, frames);
+                              if (frames) result.path.emplace().reversed_frames = frames;
+                            }});
+          if (result.clusters) inner("clusters", Derived{result.clusters->all.size()});
+        }});
+  visit("recall", IfSet{result.recall});
+  if (result.clusters)  // not for a reader, which finds them again
+    visit("clusters", Derived{clusters_json(*result.clusters, result.window_length())});
+  visit("matrix", IfSet{context.matrix});
+  visit_context(context, visit);
+}
+
+// Checks what the types of fields do not imply.
+void check_content(const Result& result, const JsonSource& source) {
+  const size_t length = result.window_length();
+  const size_t longest = result.score().longest_window;
+  if (length == 0 || (longest > 0 && length > longest)) source.fail("its c_l is out of range");
+  check_sequence(result.query, kMostFrames, source);
+  if (result.query_windows != window_count(result.query.frames, length))
+    source.fail("its numbers of windows and frames do not fit");
+  for (const ComparedSequence& compared : result.sequences) {
+    check_sequence(compared.sequence, kMostFrames, source);
+    if (compared.windows > window_count(compared.sequence.frames, length))
+      source.fail("\"windows\" is out of range");
+  }
+  if (!result.places) return;
+  if (result.places->views > kMostFrames || result.places->featureless > result.query.frames)
+    source.fail("\"places\" or \"featureless\" is out of range");
+  if (result.sequences.size() != 1 ||
+      result.sequences[0].sequence.frames != result.places->names.size())
+    source.fail("its places and its sequences do not fit");
+}
+
+// Compares the clusters of the file with those of its recognitions.
+void find_clusters(const Fields& fields, Result& result, const Monitor& monitor) {
+  const int64_t eps = std::get<SequenceQuerySettings>(result.settings).clustering.eps;
+  if (eps < 0 || eps > kMaxEps) fields.fail("its clustering.eps is out of range");
+  cluster(result, monitor);
+  if (fields.list("clusters") != clusters_json(*result.clusters, result.window_length()))
+    fields.fail("its clusters are not those of its recognitions");
+}
+
+// Other files of the run in the folder of the result. They may be missing.
+void check_companions(const fs::path& result, const ResultContext& context,
+                      const JsonSource& source, const Monitor& monitor) {
+  for (const auto& [name, sum] : context.companions) {
+    if (fs::path(name).filename() != name)
+      source.fail("\"companions\" is not a list of file names");
+    const fs::path path = result.parent_path() / name;
+    std::error_code error;
+    if (fs::is_regular_file(path, error) && file_checksum(path, monitor) != sum)
+      throw Error(ErrorKind::data,
+                  "{}: belongs to another run than {}; run vpr-query again, with --force, or "
+                  "remove this file",
+                  path.string(), result.string());
+  }
+}
+
+}  // namespace
+
+void claim_result(const fs::path& path, Outputs& outputs) {
+  outputs.claim_file(path);
+  for (const fs::path& array : array_paths(path)) outputs.claim_file(array);
+}
+
+std::string result_checksum(Json json) {
+  for (const char* key : {"machine", "timing", "checksum"}) json.erase(key);
+  return checksum(to_text(json));
+}
+
+Json result_json(const Result& result, const ResultContext& context) {
+  return value_to_json(ResultContent{const_cast<Result&>(result),  // visited, not changed
+                                     const_cast<ResultContext&>(context)},
+                       kDataForm);
+}
+
+Json write_result(const fs::path& path, const Result& result, ResultContext context,
+                  Outputs& outputs) {
+  for (const Output* file : outputs.files_next_to(path)) {
+    const auto known = context.checksums.find(file->path());
+    context.companions[file->path().filename().string()] =
+        known != context.checksums.end() ? known->second : file_checksum(file->temporary());
+  }
+  write_arrays(path, result, context.files, &outputs);
+  Json json = result_json(result, context);
+  json["checksum"] = result_checksum(json);
+  outputs.file(path).write(to_text(json));
+  return json;
+}
+
+Json read_result_json(const fs::path& path) {
+  const std::string where = path.string();
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored))
+    throw Error(ErrorKind::data, "{}: is a {}. Pass a result of vpr-query (.json).", where,
+                fs::exists(path / kManifestName, ignored) ? "database" : "folder");
+  Json json = read_json(path, ErrorKind::data);
+  require_schema(json, "result", where, ErrorKind::data);
+  const Fields fields(json, where);
+  if (fields.text("checksum") != result_checksum(json)) fields.fail("its checksum does not fit");
+  return json;
+}
+
+QuerySettings read_query_settings(const Fields& file) {
+  if (FabmapQuerySettings places; file.text("method") == places.method) {
+    file.read_settings("settings", places);
+    return places;
+  }
+  SequenceKeys keys;
+  file.read_settings("settings", keys);
+  const std::string& method = keys.windows.windows.method;
+  if (std::ranges::count(sequence_methods(), method, &SequenceMethod::name) == 0)
+    file.fail(fmt::format("the method \"{}\" is unknown", method));
+  return query_of(keys);
+}
+
+StoredResult read_result(const fs::path& path, const Monitor& monitor) {
+  const Json json = read_result_json(path);
+  const Fields fields(json, path.string());
+  const JsonSource& source = fields.source();
+  StoredResult stored;
+  auto& [result, context, fingerprint] = stored;
+  fingerprint = fields.text("checksum");
+  ResultContent content{result, context};
+  value_from_json(json, content, source, "result");
+  check_content(result, source);
+  read_arrays(path, context.files, source, result);
+  if (!content.has_places()) find_clusters(fields, result, monitor);
+  check_companions(path, context, source, monitor);
+  return stored;
+}
+
+std::string fingerprint_of(const StoredResult& stored) {
+  ResultContext context = stored.context;
+  write_arrays("", stored.result, context.files, nullptr);
+  return result_checksum(result_json(stored.result, context));
+}
+
+}  // namespace vpr

@@ -1,0 +1,169 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <fstream>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "recordings/decode.h"
+
+namespace vpr {
+namespace {
+
+/// Reads numbers of a file; 0 beyond its end.
+struct ByteReader {
+  std::string_view file;
+  bool is_little = false;
+
+  uint64_t number(uint64_t at, size_t bytes) const {
+    uint64_t value = 0;
+    if (at > file.size() || bytes > file.size() - at) return 0;
+    for (size_t i = 0; i < bytes; ++i) {
+      const size_t k = is_little ? bytes - 1 - i : i;
+      value = value << 8 | static_cast<uint8_t>(file[at + k]);
+    }
+    return value;
+  }
+};
+
+// Calls use(tag, value) for the entries of the first directory; "II*" or "MM*" begins the file.
+// Like libtiff, reads values of 8 bytes, and the first of two entries with one tag.
+template <class Use>
+void for_each_tag(std::string_view file, Use&& use) {
+  constexpr std::array<uint64_t, 18> kBytes = {4, 1, 1, 2, 4, 8, 1, 1, 2,
+                                               4, 8, 4, 8, 4, 4, 4, 8, 8};
+  const ByteReader reader{file, file.starts_with("II")};
+  const uint64_t directory = reader.number(4, 4);
+  const uint64_t entries = reader.number(directory, 2);
+  std::set<uint64_t> tags;
+  for (uint64_t i = 0; i < entries; ++i) {
+    const uint64_t at = directory + 2 + 12 * i;
+    const uint64_t bytes = kBytes[reader.number(at + 2, 2) % kBytes.size()];
+    const bool is_inside = reader.number(at + 4, 4) <= 4 / bytes;
+    const uint64_t where = is_inside ? at + 8 : reader.number(at + 8, 4);
+    const uint64_t tag = reader.number(at, 2);
+    if (tags.insert(tag).second) use(tag, reader.number(where, bytes));
+  }
+}
+
+ImageHeader tiff_header(std::string_view file) {
+  constexpr std::array kFormats = {"", "", "signed", "floating-point", "", "complex", "complex"};
+  ImageHeader header;
+  uint64_t format = 1;
+  uint64_t bits = 1;
+  uint64_t samples = 1;
+  uint64_t photometric = 0;
+  for_each_tag(file, [&](uint64_t tag, uint64_t value) {
+    if (tag == 258) bits = value;
+    if (tag == 262) photometric = value;
+    if (tag == 277) samples = value;
+    if (tag == 322) header.tile_width = value;
+    if (tag == 323) header.tile_height = value;
+    if (tag == 339) format = value;
+  });
+  if (format < kFormats.size()) header.unread = kFormats[format];
+  if (header.unread.empty() && bits > 16) header.unread = fmt::format("{}-bit", bits);
+  if (header.unread.empty() && bits > 8 && samples == 1 && photometric == 0)
+    header.unread = "inverted (MINISWHITE)";
+  header.kind = fmt::format("TIFF of {} bits and {} channels", bits, samples);
+  header.is_16_bit = bits == 16 && header.unread.empty();
+  return header;
+}
+
+// The orientation in the chunk EXIF, which holds a TIFF file, after "RIFF", a size and "WEBP".
+int webp_orientation(std::string_view file) {
+  constexpr std::string_view kExifStart("Exif\0\0", 6);
+  const ByteReader reader{file, true};
+  int orientation = 1;
+  for (uint64_t at = 12; at + 8 <= file.size();) {
+    const uint64_t size = reader.number(at + 4, 4);
+    std::string_view chunk = file.substr(at + 8, size);
+    if (file.substr(at, 4) == "EXIF") {
+      if (chunk.starts_with(kExifStart)) chunk.remove_prefix(kExifStart.size());
+      for_each_tag(chunk, [&](uint64_t tag, uint64_t value) {
+        if (tag == 274 && value >= 1 && value <= 8) orientation = static_cast<int>(value);
+      });
+    }
+    at += 8 + size + size % 2;
+  }
+  return orientation;
+}
+
+// "P2", "P3", "P5" or "P6", width, height and largest value, separated by blanks and comments.
+bool is_pnm_16(std::string_view file) {
+  size_t at = 2;
+  uint64_t value = 0;
+  for (int field = 0; field < 3; ++field) {
+    while (at < file.size() &&
+           (std::isspace(static_cast<uint8_t>(file[at])) != 0 || file[at] == '#'))
+      at = file[at] == '#' ? std::min(file.find('\n', at), file.size()) : at + 1;
+    const auto [end, error] = std::from_chars(file.data() + at, file.data() + file.size(), value);
+    if (error != std::errc{}) return false;
+    at = static_cast<size_t>(end - file.data());
+  }
+  return value > 255;
+}
+
+// The first bytes of the box "moov" of an MP4 or MOV video; empty for other files.
+std::string movie_box(const std::filesystem::path& path) {
+  constexpr int kMostBoxes = 100;
+  constexpr uint64_t kMostBytes = uint64_t{1} << 24;
+  constexpr uint64_t kMostSize = uint64_t{1} << 56;
+  std::ifstream file(path, std::ios::binary);
+  uint64_t at = 0;
+  for (int box = 0; box < kMostBoxes; ++box) {
+    std::string bytes(16, '\0');
+    file.seekg(static_cast<std::streamoff>(at));
+    if (!file.read(bytes.data(), 16)) return "";
+    const ByteReader reader{bytes};
+    const uint64_t size = reader.number(0, 4) == 1 ? reader.number(8, 8) : reader.number(0, 4);
+    if (size < 8 || size > kMostSize) return "";
+    at += size;
+    if (bytes.substr(4, 4) != "moov") continue;
+    bytes.resize(std::clamp<uint64_t>(size, 16, kMostBytes));
+    file.read(bytes.data() + 16, static_cast<std::streamsize>(bytes.size()) - 16);
+    return bytes;
+  }
+  return "";
+}
+
+}  // namespace
+
+ImageHeader read_image_header(std::string_view file) {
+  ImageHeader header;
+  const ByteReader reader{file};
+  if (file.starts_with("II*") || file.starts_with("MM"))
+    header = tiff_header(file);
+  else if (file.starts_with("\x89PNG"))
+    header.is_16_bit = reader.number(24, 1) == 16;
+  else if (file.starts_with("P"))
+    header.is_16_bit = is_pnm_16(file);
+  else if (file.starts_with("RIFF"))
+    header.orientation = webp_orientation(file);
+  return header;
+}
+
+bool is_mirrored_video(const std::filesystem::path& path) {
+  const std::string movie = movie_box(path);
+  const ByteReader reader{movie};
+  // Whether the determinant of a matrix is negative. `at`: of its header; `offset`: of the matrix
+  // if the header is of version 0, with times of 32 bits.
+  const auto mirrors = [&](size_t at, size_t offset) {
+    const size_t matrix = at + offset + (reader.number(at, 1) == 1 ? 12 : 0);
+    const auto cell = [&](size_t k) {
+      return int64_t{static_cast<int32_t>(reader.number(matrix + 4 * k, 4))};
+    };
+    return cell(0) * cell(4) < cell(1) * cell(3);
+  };
+  const bool mirrors_all = mirrors(movie.find("mvhd") + 4, 36);
+  for (size_t at = movie.find("tkhd"); at != std::string::npos; at = movie.find("tkhd", at)) {
+    at += 4;
+    const size_t width = at + (reader.number(at, 1) == 1 ? 88 : 76);
+    if (reader.number(width, 4) > 0) return mirrors(at, 40) != mirrors_all;  // not of sound
+  }
+  return false;
+}
+
+}  // namespace vpr

@@ -1,0 +1,99 @@
+// Advice if a query recognizes nothing, or everything.
+#include "query/advice.h"
+
+#include <catch2/catch.hpp>
+
+#include "examples.h"
+#include "queries.h"
+#include "query/open.h"
+#include "support.h"
+
+using namespace vpr;
+using test::has;
+
+namespace {
+
+// Twenty query windows and ten training windows.
+Result planned_result(std::optional<double> threshold) {
+  Result result;
+  result.settings = test::by_threshold(2, threshold);
+  result.query_windows = 20;
+  ComparedSequence& sequence = result.sequences.emplace_back();
+  sequence.sequence.name = "walk";
+  sequence.windows = 10;
+  sequence.threshold = threshold;
+  for (uint32_t j = 0; j < 20; ++j) result.best.emplace_back(Match{j, 0, 3, 0, 100 + 10.0 * j});
+  return result;
+}
+
+// The advice for frames first, first + step, ... of a sequence of 160.
+std::string finding(const test::Example& walk, size_t first, size_t step) {
+  std::vector<LdbCode> frames;
+  for (size_t f = first; f < walk.train[0].size(); f += step) frames.push_back(walk.train[0][f]);
+  SequenceDatabase database = test::make_database({walk.train[0]});
+  ensure_statistics(database, {});
+  return filter_advice(database, test::make_query(frames), {}, {}, {});
+}
+
+}  // namespace
+
+TEST_CASE("more than a fifth of the pairs of a sequence as recognitions is too many") {
+  Result result = planned_result(200);
+  for (uint32_t j = 0; j < 20; ++j)
+    for (uint32_t i = 0; i < 2; ++i) result.recognitions.push_back({j, 0, i, 0, 300});
+  CHECK_FALSE(excess_advice(result));  // 40 of 200
+  result.recognitions.push_back({19, 0, 2, 0, 300});
+  CHECK(excess_advice(result) ==
+        "t_r accepts 20 % of the window pairs of walk: too many to tell places apart");
+  CHECK(recognized_windows(result) == 20);
+  result.sequences.insert(result.sequences.begin(), 2, result.sequences[0]);  // of other places
+  for (Match& recognition : result.recognitions) recognition.sequence = 2;
+  CHECK(excess_advice(result) ==
+        "t_r accepts 20 % of the window pairs of walk: too many to tell places apart");
+  for (uint32_t j = 0; j < 20; ++j)
+    for (uint32_t i = 0; i < 10; ++i) result.recognitions.push_back({j, 0, i, 0, 300});
+  result.sequences[0].sequence.name = "stairs";
+  CHECK(excess_advice(result) ==
+        "t_r accepts 100 % of the window pairs of stairs, and more than a fifth of 1 other "
+        "training sequence: too many to tell places apart");
+  CHECK_FALSE(excess_advice(Result{}));
+}
+
+TEST_CASE("without a threshold, no match is reported as too far") {
+  CHECK(has(no_recognition_advice(planned_result(10)), "no score is below t_r"));
+  CHECK(no_recognition_advice(planned_result(std::nullopt)) ==
+        "Best matches only: a recognition needs --t-r, or --decide margin with --margin.");
+  Result by_margin = planned_result(std::nullopt);
+  by_margin.settings = test::by_margin(2);
+  CHECK(has(no_recognition_advice(by_margin), "--exclusion-frames"));
+  by_margin.margins.assign(20, 5.0);
+  CHECK(has(no_recognition_advice(by_margin), "no best match has the margin"));
+}
+
+TEST_CASE("the filter distinguishes another speed from another place") {
+  const test::Example walk = test::make_example({160}, 0, 3);
+  CHECK(has(finding(walk, 0, 1), "With default settings (--method filter, margin 14), 1"));
+  const std::string twice = finding(walk, 0, 2);
+  INFO(twice);
+  CHECK(has(twice, " of 80 frames are recognized, at about 2.0 times the speed."));
+  SequenceDatabase database = test::make_database({walk.train[0]});
+  ensure_statistics(database, {});
+  const test::Example other = test::make_example({1}, 100, 4);
+  const DescriptorSet elsewhere = test::make_query(other.query);
+  CHECK(filter_advice(database, elsewhere, {}, {}, {}) ==
+        "The filter recognizes 0 of 100 frames at 0.5 to 2 times the trained speed, and fewer than "
+        "a quarter in the opposite direction, or with every second or third frame of either side: "
+        "the query may show another place, or its 28 keyframes are too few for a decision, which "
+        "needs up to 64.");
+  CHECK(has(finding(walk, 0, 16), "The query has 10 keyframes"));
+  CHECK(has(filter_advice(database, test::make_query(walk.train[0]), {Filter{64}}, {}, {}),
+            "With default settings (--method filter, margin 14), 1"));
+}
+
+TEST_CASE("without a match of any window, none is compared with a limit") {
+  Result result = planned_result(10);
+  CHECK(has(no_recognition_advice(result), "below t_r"));
+  result.best.assign(20, std::nullopt);
+  CHECK(no_recognition_advice(result) ==
+        "No window has a match: none has an earlier readable window beyond --gap.");
+}

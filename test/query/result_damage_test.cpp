@@ -1,0 +1,156 @@
+// Invalid files are refused by a robust reader.
+#include <cmath>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/random.h"
+#include "query/result_examples.h"
+
+using namespace vpr;
+using namespace vpr::test;
+namespace fs = std::filesystem;
+
+TEST_CASE("a modified result of places is refused") {
+  for (const auto& change : std::vector<void (*)(Result&)>{
+           [](Result& r) { r.places->names.pop_back(); }, [](Result& r) { r.places->views = 2; },
+           [](Result& r) { r.sequences.push_back(r.sequences[0]); },
+           [](Result& r) { r.places->new_place.pop_back(); }, [](Result& r) { r.best.pop_back(); },
+           [](Result& r) { r.query_windows = 4; }, [](Result& r) { r.recognitions[1].train = 2; },
+           [](Result& r) { r.recognitions[1] = r.recognitions[0]; },
+           [](Result& r) { r.recognitions[2].score = std::nan(""); }}) {
+    Result result = places_example();
+    change(result);
+    write("r.json", result, Existing::replace);
+    CHECK(test::error_kind([&] { read_result("r.json"); }) == ErrorKind::data);
+  }
+}
+
+TEST_CASE("companions of another run are refused") {
+  const test::TemporaryFolder other;
+  const fs::path path = write_example();
+  Result changed = example_result();
+  changed.recognitions.pop_back();
+  write(other / "r.json", changed, Existing::refuse);
+  fs::copy_file(other / "r.recognitions.npy", "r.recognitions.npy",
+                fs::copy_options::overwrite_existing);
+  CHECK(has(test::error_text([&] { read_result(path); }), "belongs to another run"));
+  fs::remove("r.recognitions.npy");
+  CHECK(test::error_kind([&] { read_result(path); }) == ErrorKind::input);
+}
+
+TEST_CASE("damage in any array of a result is detected") {
+  for (const std::string folder : {"frames", "places"}) {
+    fs::create_directory(folder);
+    const fs::path path = folder + "/r.json";
+    write(path, folder == "places" ? places_example() : example_result(), Existing::refuse);
+    for (const std::string& name : list_folder(folder)) {
+      if (name == "r.json") continue;
+      const std::string whole = read_text(path.parent_path() / name);
+      std::string bit = whole;
+      bit.back() = static_cast<char>(bit.back() ^ 1);
+      for (const std::string& text : {whole.substr(0, whole.size() / 2), std::string(), bit}) {
+        write_text(path.parent_path() / name, text);
+        INFO(name);
+        CHECK(error_kind([&] { read_result(path); }) == ErrorKind::data);
+      }
+      write_text(path.parent_path() / name, whole);
+    }
+    read_result(path);
+  }
+}
+
+TEST_CASE("a file of another run next to a result is refused, and may be removed") {
+  const fs::path path = "r.json";
+  {
+    Outputs outputs(Existing::refuse);
+    outputs.file("m.png").write("image");
+    outputs.file("m.npy").write("matrix");
+    write_result(path, example_result(), {}, outputs);
+    outputs.commit();
+  }
+  read_result(path);
+  for (const char* name : {"m.png", "m.npy"}) {
+    test::write_text(name, "of another run");
+    CHECK(test::error_text([&] { read_result(path); }) ==
+          fmt::format("{}: belongs to another run than {}; run vpr-query again, with --force, or "
+                      "remove this file",
+                      name, path.string()));
+    fs::remove(name);
+  }
+  read_result(path);
+}
+
+TEST_CASE("modified results are refused without a crash") {
+  const fs::path path = write_example();
+  const Json whole = Json::parse(test::read_text(path));
+  const auto broken = [&](const std::string& pointer, const Json& value) {
+    Json json = whole;
+    json[Json::json_pointer(pointer)] = value;
+    json.erase("checksum");
+    json["checksum"] = result_checksum(json);
+    test::write_text(path, json.dump());
+    return test::error_kind([&] { read_result(path); });
+  };
+  for (const auto& [pointer, value] :
+       std::vector<std::pair<std::string, Json>>{{"/settings/c_l", 0},
+                                                 {"/settings/c_l", 3},
+                                                 {"/settings/method", "fastabel"},
+                                                 {"/query/windows", 5},
+                                                 {"/query/frames", -1},
+                                                 {"/query/frames", 1e30},
+                                                 {"/sequences/0/frames", 2},
+                                                 {"/sequences/0/windows", 6},
+                                                 {"/sequences", 3},
+                                                 {"/clusters/0/sequence", 2},
+                                                 {"/clusters/0/train/last", 5},
+                                                 {"/clusters/0/query/window", 4},
+                                                 {"/files/recognitions/checksum", "xxh3:0"},
+                                                 {"/files", Json::array()},
+                                                 {"/settings/clustering/eps", 5000},
+                                                 {"/settings/clustering/eps", 0},
+                                                 {"/clusters", Json::array()},
+                                                 {"/clusters/0/recognitions", 3},
+                                                 {"/schema", "vpr.result/2"},
+                                                 {"/query", Json()}}) {
+    INFO(pointer);
+    CHECK(broken(pointer, value) == ErrorKind::data);
+  }
+}
+
+TEST_CASE("a result with modified text is refused, except in machine and timing") {
+  const fs::path path = write_example();
+  Json json = Json::parse(test::read_text(path));
+  json["machine"]["threads"] = 99;
+  test::write_text(path, to_text(json));
+  read_result(path);
+  json["clusters"] = Json::array();
+  test::write_text(path, to_text(json));
+  CHECK(has(test::error_text([&] { read_result(path); }), "checksum"));
+}
+
+TEST_CASE("random damage yields an error or a result, never a crash") {
+  const fs::path path = write_example();
+  RandomEngine engine(1);
+  for (const char* name : {"r.json", "r.recognitions.npy", "r.recognition_scores.npy", "r.best.npy",
+                           "r.best_scores.npy"}) {
+    const std::string whole = test::read_text(name);
+    for (int i = 0; i < 300; ++i) {
+      std::string text = whole.substr(0, 1 + uniform_below(engine, whole.size()));
+      text[uniform_below(engine, text.size())] = static_cast<char>(engine());
+      test::write_text(name, text);
+      test::error_kind([&] { read_result(path); });
+    }
+    test::write_text(name, whole);
+  }
+  CHECK(read_result(path).result.recognitions == example_result().recognitions);
+}
+
+TEST_CASE("an existing result is refused as a whole") {
+  write_example();
+  fs::remove("r.json");
+  Outputs outputs(Existing::refuse);
+  CHECK(test::error_kind([&] { claim_result("r.json", outputs); }) == ErrorKind::usage);
+  write_example(Existing::replace);
+}
