@@ -24,7 +24,8 @@ inline SequenceQuerySettings by_margin(uint64_t length,
 
 inline Result query_result(const SequenceDatabase& database, const DescriptorSet& query,
                            const SequenceQuerySettings& settings) {
-  return run_query(plan_query(database, query, "q", settings, {}, {}), {}, {}).result;
+  return run_query(plan_query(prepare(database, settings), query, "q", settings, {}, {}), {}, {})
+      .result;
 }
 
 /// A result of one training sequence, "ref", without matches.

@@ -17,6 +17,7 @@
 #include "query/live_lines.h"
 #include "query/matrix_file.h"
 #include "query/open.h"
+#include "query/prepare.h"
 #include "recordings/live_source.h"
 #include "recordings/sequence_source.h"
 #include "truth/times.h"
@@ -180,7 +181,7 @@ void query_live(Session& session, const QueryOptions& options,
   print_folder_note(options, session);
   std::vector<double> times_ms;
   const auto finish = [&] {
-    if (const auto result = lines.finish()) session.print_line(lines.line(result));
+    if (const auto answer = lines.finish()) session.print_line(lines.line(answer));
   };
   const auto report = [&] {
     if (!session.options.quiet) write_to_stderr(latency_text(times_ms) + "\n");
@@ -189,9 +190,9 @@ void query_live(Session& session, const QueryOptions& options,
     while (const auto frame = query.source.next(silent)) {
       const Stopwatch watch;
       const size_t frames = lines.frames();
-      const std::optional<Result> result = lines.take(*frame, silent);
+      const std::optional<LiveAnswer> answer = lines.take(*frame, silent);
       if (lines.frames() == frames) continue;  // it is gone
-      session.print_line(lines.line(result));
+      session.print_line(lines.line(answer));
       times_ms.push_back(1e3 * watch.elapsed_s());
     }
     finish();

@@ -12,6 +12,7 @@
 #include "query/advice.h"
 #include "query/choices.h"
 #include "query/open.h"
+#include "query/prepare.h"
 #include "tune.h"
 #include "tune/sweep_report.h"
 #include "tune/trials.h"

@@ -1,7 +1,7 @@
 // vpr-tune threshold: the automatic thresholds of a database.
 #include "database/archive.h"
 #include "present/database_report.h"
-#include "query/open.h"
+#include "query/prepare.h"
 #include "query/thresholds.h"
 #include "query/train_sequences.h"
 #include "tune.h"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/text.h"
-#include "query/open.h"
+#include "query/prepare.h"
 #include "query/train_sequences.h"
 
 namespace vpr {
@@ -33,8 +33,9 @@ Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
                 const SequenceQuerySettings& settings, const QueryResources& resources,
                 const Monitor& monitor) {
   const Monitor unwarned = {monitor.progress, {}, monitor.stop};
-  return run_query(plan_query(database, query, "", default_filter(settings), resources, unwarned),
-                   {}, unwarned)
+  const SequenceQuerySettings filter = default_filter(settings);
+  const PreparedDatabase prepared = prepare(database, filter, resources, unwarned);
+  return run_query(plan_query(prepared, query, "", filter, resources, unwarned), {}, unwarned)
       .result;
 }
 

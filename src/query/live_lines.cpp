@@ -17,7 +17,8 @@ Json match_json(const Result& result, const Match& match) {
 
 }  // namespace
 
-Json live_line(const LineFrame& frame, const Result* result, size_t window) {
+Json live_line(const LineFrame& frame, const Result& shape,
+               const std::optional<LiveAnswer>& answer) {
   Json line = {{"schema", schema_name("live")},
                {"frame", frame.number},
                {"name", frame.name},
@@ -26,14 +27,13 @@ Json live_line(const LineFrame& frame, const Result* result, size_t window) {
                {"margin", nullptr},
                {"rate", nullptr},
                {"recognized", Json::array()}};
-  if (result == nullptr) return line;
-  if (result->best[window]) line["match"] = match_json(*result, *result->best[window]);
-  if (const auto margin = frame_margin(*result, window)) line["margin"] = *margin;
-  if (result->path) line["rate"] = or_null(result->path->rates[window]);
-  for (const Match& match : result->recognitions) {
-    if (!result->path && match.query != window) continue;
-    Json recognized = match_json(*result, match);
-    recognized["query"] = result->path ? match.query : frame.number;
+  if (!answer) return line;
+  if (answer->best) line["match"] = match_json(shape, *answer->best);
+  if (answer->margin) line["margin"] = *answer->margin;
+  line["rate"] = or_null(answer->rate);
+  for (const Match& match : answer->recognized) {
+    Json recognized = match_json(shape, match);
+    recognized["query"] = anchor_of(match.query, shape.window_length());
     line["recognized"].push_back(std::move(recognized));
   }
   return line;
@@ -46,7 +46,7 @@ LiveLines::LiveLines(const SequenceDatabase& database, const std::string& query_
       skip_unreadable_(settings.skip_unreadable),
       query_(database, query_name, settings, resources, monitor) {}
 
-std::optional<Result> LiveLines::take(const LiveFrame& frame, const Monitor& monitor) {
+std::optional<LiveAnswer> LiveLines::take(const LiveFrame& frame, const Monitor& monitor) {
   std::optional<DescriptorSet> described;
   try {
     if (frame.is_unreadable)
@@ -69,10 +69,6 @@ std::optional<Result> LiveLines::take(const LiveFrame& frame, const Monitor& mon
   ArrivedFrame arrived{described ? described->rows()[0] : zeros, described.has_value()};
   last_ = {frames_++, frame.name, arrived.is_readable};
   return query_.take(arrived);
-}
-
-Json LiveLines::line(const std::optional<Result>& result) const {
-  return live_line(last_, result ? &*result : nullptr, 0);
 }
 
 }  // namespace vpr

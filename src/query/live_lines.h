@@ -17,9 +17,10 @@ struct LineFrame {
   bool is_readable = true;
 };
 
-/// docs/schemas/live.schema.json. `window`: the query window that ends at the frame. Null `result`:
-/// the frame ends no window.
-Json live_line(const LineFrame& frame, const Result* result, size_t window);
+/// docs/schemas/live.schema.json. `shape`: LiveQuery::shape. Nullopt `answer`: the frame ends no
+/// window.
+Json live_line(const LineFrame& frame, const Result& shape,
+               const std::optional<LiveAnswer>& answer);
 
 class LiveLines {
  public:
@@ -31,15 +32,18 @@ class LiveLines {
   /// Describes and matches the next frame, and returns as LiveQuery::take does. A frame that cannot
   /// be decoded throws Error(input); with skip_unreadable, it is a warning, and the frame is
   /// missing. A frame that may be gone and is, is a warning, and not counted.
-  std::optional<Result> take(const LiveFrame& frame, const Monitor& monitor);
+  std::optional<LiveAnswer> take(const LiveFrame& frame, const Monitor& monitor);
   /// As LiveQuery::finish.
-  std::optional<Result> finish() { return query_.finish(); }
+  std::optional<LiveAnswer> finish() { return query_.finish(); }
   /// The number of frames that were counted.
   size_t frames() const { return frames_; }
   /// The latest frame; there must be one.
   const LineFrame& last() const { return last_; }
-  /// The line of the latest frame with its result.
-  Json line(const std::optional<Result>& result) const;
+  /// The line of the latest frame with its answer.
+  Json line(const std::optional<LiveAnswer>& answer) const {
+    return live_line(last_, shape(), answer);
+  }
+  const Result& shape() const { return query_.shape(); }
 
  private:
   const SequenceDatabase& database_;

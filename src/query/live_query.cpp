@@ -12,7 +12,8 @@ namespace vpr {
 LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_name,
                      const SequenceQuerySettings& settings, const QueryResources& resources,
                      const Monitor& monitor)
-    : plan_(plan_window(database, query_name, settings, resources, monitor)),
+    : plan_(plan_window(prepare(database, settings, resources, monitor), query_name, settings,
+                        resources, monitor)),
       frames_(start_live(searched_distances(plan_), plan_.scores)) {
   const MatchSettings& match = plan_.match;
   const size_t length = match.window_length;
@@ -25,43 +26,60 @@ LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_
   if (by_path != nullptr) decisions_.emplace(by_path->least_margin);
 }
 
-std::optional<Result> LiveQuery::take(const ArrivedFrame& frame) {
+std::optional<LiveAnswer> LiveQuery::take(const ArrivedFrame& frame) {
   add_frame(frames_, frame);
   readable_frames_ = frame.is_readable ? readable_frames_ + 1 : 0;
   const QueryFrame next{frames_.last_row(), frames_.frames - 1, readable_frames_};
   if (decisions_) return take_path(next);
-  ResultRows rows(plan_);
-  const Sinks sinks = rows.sinks();
+  RecognitionScan scan(scan_settings(plan_));  // of one window
+  std::optional<MarginScan> margins;
+  if (plan_.exclusion_zones) margins.emplace(*plan_.exclusion_zones, 1);
   windows_(frames_.scores, next, [&](size_t, std::span<const ScoreRow> row) {
     std::vector<ScoreRow> only(row.begin(), row.end());
-    for (ScoreRow& piece : only) piece.query_window = 0;
-    send_row(sinks, only);
+    for (ScoreRow& piece : only) {
+      piece.query_window = 0;
+      scan(piece);
+    }
+    if (margins) (*margins)(only);
   });
-  if (readable_frames_ < plan_.match.window_length) return std::nullopt;
-  return rows.result();
+  const size_t length = plan_.match.window_length;
+  if (readable_frames_ < length) return std::nullopt;
+  const RecognitionScanResult found = scan.result();
+  LiveAnswer answer;
+  if (found.best[0]) answer.best = match_of(*found.best[0], plan_);
+  if (margins && margins->result()[0])
+    answer.margin = shape().score().frame_value(*margins->result()[0], length);
+  if (!std::holds_alternative<ByMargin>(plan_.decision))
+    answer.recognized = matches_of(found.recognitions);
+  else if (answer.best && has_margin(shape(), *answer.best, answer.margin))
+    answer.recognized = {*answer.best};
+  const auto window = static_cast<uint32_t>(frames_.frames - length);
+  if (answer.best) answer.best->query = window;
+  for (Match& match : answer.recognized) match.query = window;
+  return answer;
 }
 
-std::optional<Result> LiveQuery::take_path(const QueryFrame& frame) {
+std::optional<LiveAnswer> LiveQuery::take_path(const QueryFrame& frame) {
   last_.reset();
   if (frame.consecutive_readable == 0) decisions_->end_path();
   windows_(frames_.scores, frame, [&](size_t, std::span<const ScoreRow> row) {
     const PathReport& report = *row.front().path;
-    Cell match = report.matches.back();
-    match.query_window = 0;
-    last_ = make_result(plan_, {decisions_->take(report), {match}}, {report.margin});
-    last_->path.emplace(1);
-    last_->path->rates[0] = report.rate;
-    last_->path->numbers[0] = report.path;
+    last_ = {match_of(report.matches.back(), plan_), shape().score().frame_value(report.margin, 1),
+             report.rate, matches_of(decisions_->take(report))};
   });
   return last_;
 }
 
-std::optional<Result> LiveQuery::finish() {
+std::vector<Match> LiveQuery::matches_of(const std::vector<Cell>& cells) const {
+  std::vector<Match> matches;
+  for (const Cell& cell : cells) matches.push_back(match_of(cell, plan_));
+  return matches;
+}
+
+std::optional<LiveAnswer> LiveQuery::finish() {
   if (!decisions_ || !last_) return std::nullopt;
-  last_->recognitions.clear();
-  for (const Cell& cell : decisions_->finish())
-    last_->recognitions.push_back(match_of(cell, plan_));
-  return last_->recognitions.empty() ? std::nullopt : std::move(last_);
+  last_->recognized = matches_of(decisions_->finish());
+  return last_->recognized.empty() ? std::nullopt : std::move(last_);
 }
 
 LiveScores start_live(const FrameDistances& raw, const ScoreStages& stages) {

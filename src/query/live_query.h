@@ -34,7 +34,17 @@ LiveScores start_live(const FrameDistances& raw, const ScoreStages& stages);
 /// Adds the next frame, which is copied. Rows of `scores` are valid until the next call.
 void add_frame(LiveScores& live, ArrivedFrame frame);
 
-/// Yields the results of run_query for every window once its last frame arrives, by the same steps.
+/// The decisions at a frame, as those of run_query. Query windows are those of the whole query.
+struct LiveAnswer {
+  std::optional<Match> best;     ///< of the window that ends at the frame
+  std::optional<double> margin;  ///< of the best match, in score per frame
+  std::optional<double> rate;    ///< training frames per query frame, by the filter
+  /// The recognitions of the window; with the filter, those that this frame decides, by query
+  /// frame.
+  std::vector<Match> recognized;
+};
+
+/// Answers each frame of a query as it arrives, by the steps of run_query.
 class LiveQuery {
  public:
   /// `settings`: of vpr-query live (choose_query). Throws what plan_query throws, and
@@ -44,14 +54,15 @@ class LiveQuery {
             const SequenceQuerySettings& settings, const QueryResources& resources,
             const Monitor& monitor);
 
-  /// Adds the next frame. Returns the result of the window that ends with it, without clusters;
-  /// nullopt if the last c_l frames are not all readable. With the filter, recognitions are those
-  /// of the frames that this frame decides, by query frame.
-  std::optional<Result> take(const ArrivedFrame& frame);
+  /// Adds the next frame. Nullopt if the last c_l frames are not all readable.
+  std::optional<LiveAnswer> take(const ArrivedFrame& frame);
 
-  /// With the filter: the last match, and the recognitions that the end of the query decides;
+  /// With the filter: the last answer with the recognitions that the end of the query decides;
   /// nullopt without recognitions.
-  std::optional<Result> finish();
+  std::optional<LiveAnswer> finish();
+
+  /// The names and settings of answers, without matches.
+  const Result& shape() const { return plan_.result; }
 
  private:
   QueryPlan plan_;
@@ -60,9 +71,10 @@ class LiveQuery {
   size_t readable_frames_ = 0;  ///< consecutive ones, up to the latest frame
 
   // With the filter:
-  std::optional<Result> take_path(const QueryFrame& frame);
+  std::optional<LiveAnswer> take_path(const QueryFrame& frame);
+  std::vector<Match> matches_of(const std::vector<Cell>& cells) const;
   std::optional<PathDecisions> decisions_;
-  std::optional<Result> last_;  ///< of the latest frame
+  std::optional<LiveAnswer> last_;  ///< of the latest frame
 };
 
 }  // namespace vpr

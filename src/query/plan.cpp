@@ -8,8 +8,6 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "query/choices.h"
-#include "query/open.h"
 #include "query/thresholds.h"
 #include "query/train_sequences.h"
 #include "truth/times.h"
@@ -70,39 +68,21 @@ void plan_sequences(QueryPlan& plan, std::span<const TrainSequence> sequences,
 }
 
 // The margin of every sequence: the setting, or the default of the score.
-void plan_margins(QueryPlan& plan, const SequenceDatabase& database,
-                  const std::optional<double>& setting, const Monitor& monitor) {
+void plan_margins(QueryPlan& plan, const PreparedDatabase& database,
+                  const std::optional<double>& setting) {
   for (size_t s = 0; s < plan.result.sequences.size(); ++s) {
     ComparedSequence& compared = plan.result.sequences[s];
     if (!compared.searched || compared.windows == 0) continue;
     compared.margin = setting ? *setting
-                              : plan.result.score().default_margin(
-                                    typical_distance(database.sequences[s], plan.train[s], monitor),
-                                    plan.match.window_length);
+                              : plan.result.score().default_margin(database.typical_distances[s],
+                                                                   plan.match.window_length);
   }
 }
 
-// The table of the database, or a new one.
-ThresholdTable automatic_table(const QueryPlan& plan, const SequenceDatabase& database,
+void plan_automatic_thresholds(QueryPlan& plan, const PreparedDatabase& database,
                                const std::optional<double>& safety_factor, const Monitor& monitor) {
-  const size_t length = plan.match.window_length;
-  const ThresholdTable* stored = find_thresholds(database.thresholds, length);
-  const double factor = database.thresholds.empty() ? 1 : database.thresholds.front().safety_factor;
-  ThresholdTable table =
-      stored != nullptr
-          ? *stored
-          : ThresholdTable{length, factor,
-                           find_closest_windows(code_spans(database),
-                                                {length, plan.match.memory_limit}, monitor)};
+  ThresholdTable table = database.thresholds.value();
   table.safety_factor = safety_factor.value_or(table.safety_factor);
-  return table;
-}
-
-void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database,
-                               const SequenceQuerySettings& settings,
-                               const std::optional<double>& safety_factor, const Monitor& monitor) {
-  check_automatic(database, settings);
-  const ThresholdTable table = automatic_table(plan, database, safety_factor, monitor);
   bool any = false;
   for (size_t s = 0; s < plan.result.sequences.size(); ++s) {
     ComparedSequence& sequence = plan.result.sequences[s];
@@ -115,18 +95,19 @@ void plan_automatic_thresholds(QueryPlan& plan, const SequenceDatabase& database
                 "the automatic t_r needs two training sequences with windows of {} frames (c_l). "
                 "Use a smaller --c-l, or a number for --t-r.",
                 table.window_length);
-  if (const auto sentence = overlap_warning(table, database.sequences, code_spans(database)))
+  if (const auto sentence =
+          overlap_warning(table, database.database->sequences, code_spans(*database.database)))
     warn(monitor, *sentence);
 }
 
 // Thresholds, and the limits that need no distances: of automatic thresholds, and of numbers that
 // are not relative. `threshold`: t_r of the rule.
-void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
+void plan_thresholds(QueryPlan& plan, const PreparedDatabase& database,
                      const SequenceQuerySettings& settings, const std::optional<double>& threshold,
                      const std::optional<double>& safety_factor, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
   if (has_automatic_threshold(settings)) {
-    plan_automatic_thresholds(plan, database, settings, safety_factor, monitor);
+    plan_automatic_thresholds(plan, database, safety_factor, monitor);
   } else {
     for (ComparedSequence& sequence : plan.result.sequences) {
       sequence.threshold = threshold;
@@ -146,7 +127,7 @@ void plan_thresholds(QueryPlan& plan, const SequenceDatabase& database,
 /// Plans the decision of a rule.
 struct DecisionPlanner {
   QueryPlan& plan;
-  const SequenceDatabase& database;
+  const PreparedDatabase& database;
   const SequenceQuerySettings& settings;
   const Monitor& monitor;
 
@@ -157,17 +138,17 @@ struct DecisionPlanner {
     plan_thresholds(plan, database, settings, rule.threshold, rule.safety_factor, monitor);
   }
   void operator()(const Margin& rule) const {
-    plan_margins(plan, database, rule.margin, monitor);
+    plan_margins(plan, database, rule.margin);
     plan.decision = ByMargin{};
   }
   void operator()(const Filter& rule) const {
-    plan_margins(plan, database, rule.margin, monitor);
+    plan_margins(plan, database, rule.margin);
     const double units = std::ceil(rule.margin / plan.result.score().frame_value(1, 1));
     plan.decision = ByPath{static_cast<uint32_t>(std::max(units, 1.0))};  // 0: no margin yet
   }
 };
 
-void plan_decision(QueryPlan& plan, const SequenceDatabase& database,
+void plan_decision(QueryPlan& plan, const PreparedDatabase& database,
                    const SequenceQuerySettings& settings, const Monitor& monitor) {
   std::visit(DecisionPlanner{plan, database, settings, monitor}, settings.rule);
 }
@@ -182,12 +163,9 @@ MatchSettings match_settings(const Rule& rule, const QueryResources& resources) 
 }
 
 // The plan without windows, sequences and limits. `query`: described like the database.
-QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& query,
+QueryPlan begin_plan(const PreparedDatabase& database, const DescribedFrames& query,
                      const Sequence& sequence, const std::string& query_name,
                      const SequenceQuerySettings& settings, const QueryResources& resources) {
-  check_settings(settings);
-  check_names(database, settings);
-  check_sums(database.descriptors, window_length_of(settings.rule));
   QueryPlan plan;
   plan.result.settings = settings;
   plan.result.query = sequence;
@@ -196,9 +174,13 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& qu
   const bool is_raw = !is_zscore(settings.rule);
   plan.query = query;
   if (is_raw) plan.query.rows = codes_of(query.rows);
-  plan.train = is_raw ? code_spans(database) : descriptor_spans(database);
+  plan.train = database.train;
+  plan.exclusion_zones = database.exclusion_zones;
   plan.match = match_settings(settings.rule, resources);
-  const TrainStatistics* statistics = database.statistics ? &*database.statistics : nullptr;
+  if (plan.exclusion_zones) plan.match.overlapping_sequences = plan.exclusion_zones->overlaps;
+  plan.match.passes = database.passes;
+  const auto& stored = database.database->statistics;
+  const TrainStatistics* statistics = stored ? &*stored : nullptr;
   plan.scores = stages_of(settings, statistics);
   if (statistics != nullptr)
     plan.typical_distance = is_raw
@@ -209,20 +191,6 @@ QueryPlan begin_plan(const SequenceDatabase& database, const DescribedFrames& qu
   return plan;
 }
 
-void finish_plan(QueryPlan& plan, const SequenceDatabase& database,
-                 const SequenceQuerySettings& settings, const Monitor& monitor) {
-  plan_sequences(plan, database.sequences, settings, monitor);
-  const std::optional<uint64_t> radius = exclusion_frames_of(settings);
-  if (!plan.match.method->is_approximate() && (!settings.past || radius)) {
-    const std::vector<std::string>& same_place = same_place_of(settings.rule);
-    plan.exclusion_zones = exclusion_zones_of(database, radius, same_place, monitor);
-    plan.match.overlapping_sequences = plan.exclusion_zones->overlaps;
-    if (plan.match.method->has_paths && same_place.empty())
-      plan.match.passes = repeated_places(database, monitor);
-  }
-  plan_decision(plan, database, settings, monitor);
-}
-
 LoopGap loop_gap(const OwnPast& past) {
   if (const auto* frames = std::get_if<uint64_t>(&past.gap)) return {std::nullopt, *frames};
   return {std::llround(std::get<double>(past.gap) * double{kSecond}), 0};
@@ -230,11 +198,11 @@ LoopGap loop_gap(const OwnPast& past) {
 
 }  // namespace
 
-QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
+QueryPlan plan_query(const PreparedDatabase& database, const DescriptorSet& query,
                      const std::string& query_name, const SequenceQuerySettings& settings,
                      const QueryResources& resources, const Monitor& monitor,
                      std::span<const int64_t> times_ns) {
-  check_descriptors(database.descriptors, query.descriptors);
+  check_descriptors(database.database->descriptors, query.descriptors);
   QueryPlan plan =
       begin_plan(database, query.span(), query.sequence, query_name, settings, resources);
   if (settings.past) {
@@ -242,11 +210,12 @@ QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& quer
     plan.past = past_frames(loop_gap(*settings.past), times_ns, query.rows().size());
   }
   plan_windows(plan, monitor);
-  finish_plan(plan, database, settings, monitor);
+  plan_sequences(plan, database.database->sequences, settings, monitor);
+  plan_decision(plan, database, settings, monitor);
   return plan;
 }
 
-QueryPlan with_limit(const QueryPlan& plan, const SequenceDatabase& database,
+QueryPlan with_limit(const QueryPlan& plan, const PreparedDatabase& database,
                      const SequenceQuerySettings& settings, const Monitor& monitor) {
   QueryPlan changed = plan;
   changed.result.settings = settings;
@@ -260,15 +229,16 @@ QueryPlan with_limit(const QueryPlan& plan, const SequenceDatabase& database,
   return changed;
 }
 
-QueryPlan plan_window(const SequenceDatabase& database, const std::string& query_name,
+QueryPlan plan_window(const PreparedDatabase& database, const std::string& query_name,
                       const SequenceQuerySettings& settings, const QueryResources& resources,
                       const Monitor& monitor) {
   assert(!settings.past);
-  const DescribedFrames no_frame{{database.descriptors.rows().shape, {}}, {}};
+  const DescribedFrames no_frame{{database.database->descriptors.rows().shape, {}}, {}};
   QueryPlan plan = begin_plan(database, no_frame, {}, query_name, settings, resources);
   plan.result.query.frames = plan.match.window_length;
   plan.result.query_windows = 1;
-  finish_plan(plan, database, settings, monitor);
+  plan_sequences(plan, database.database->sequences, settings, monitor);
+  plan_decision(plan, database, settings, monitor);
   return plan;
 }
 

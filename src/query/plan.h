@@ -8,18 +8,11 @@
 
 #include "database/sequence_database.h"
 #include "match/match.h"
-#include "query/exclusion_zones.h"
-#include "query/query_settings.h"
+#include "query/prepare.h"
 #include "query/result.h"
 #include "query/scores.h"
 
 namespace vpr {
-
-/// Resources of a query. Only the method lsh has other results for another seed.
-struct QueryResources {
-  size_t memory_limit = kDefaultMemoryLimit;  ///< bytes for rings and recognitions
-  uint64_t seed = 1;                          ///< of lsh and intervals
-};
 
 /// Recognizes all pairs of windows whose score is below the limit of their training sequence;
 /// without limits, there are only best matches.
@@ -53,22 +46,22 @@ struct QueryPlan {
 /// Throws Error(data) for descriptors of different kinds or lengths.
 void check_descriptors(const DescriptorStore& trained, const DescriptorStore& queried);
 
-/// Computes automatic thresholds that the database lacks. For a loop query, `database` is
+/// Plans a query of a database that is prepared for its settings. For a loop query, the database is
 /// own_database() of the query, and `times_ns` has the non-decreasing times of its frames for a gap
-/// in seconds. Throws what check_settings throws, Error(usage) for an unknown sequence name, and
-/// for a query or training sequences that are all shorter than a window, Error(data) for
-/// descriptors of different kinds. Database and query must outlive the plan.
-QueryPlan plan_query(const SequenceDatabase& database, const DescriptorSet& query,
+/// in seconds. Throws Error(usage) for a query or training sequences that are all shorter than a
+/// window, Error(data) for descriptors of different kinds. Database and query must outlive the
+/// plan.
+QueryPlan plan_query(const PreparedDatabase& database, const DescriptorSet& query,
                      const std::string& query_name, const SequenceQuerySettings& settings,
                      const QueryResources& resources, const Monitor& monitor,
                      std::span<const int64_t> times_ns = {});
 
 /// The same plan with the threshold or margin of `settings`, which may differ in nothing else.
-QueryPlan with_limit(const QueryPlan& plan, const SequenceDatabase& database,
+QueryPlan with_limit(const QueryPlan& plan, const PreparedDatabase& database,
                      const SequenceQuerySettings& settings, const Monitor& monitor);
 
 /// Plans one window of a query whose frames are not known yet and are described like the database.
-QueryPlan plan_window(const SequenceDatabase& database, const std::string& query_name,
+QueryPlan plan_window(const PreparedDatabase& database, const std::string& query_name,
                       const SequenceQuerySettings& settings, const QueryResources& resources,
                       const Monitor& monitor);
 

@@ -1,5 +1,6 @@
 #include "query/query_settings.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -148,6 +149,11 @@ std::optional<ThresholdScale> scale_of(const SequenceQuerySettings& settings) {
   if (windows == nullptr) return ThresholdScale::bits;
   const ScoreKind& kind = score_kind(windows->windows.score);
   return windows->scale.value_or(settings.past ? kind.frame_scale : kind.number_scale);
+}
+
+bool is_searched(const SequenceQuerySettings& settings, const std::string& sequence) {
+  const std::vector<std::string>& only = settings.only_sequences;
+  return only.empty() || std::ranges::find(only, sequence) != only.end();
 }
 
 std::optional<uint64_t> exclusion_frames_of(const SequenceQuerySettings& settings) {

@@ -174,6 +174,8 @@ bool is_zscore(const Rule& rule);
 /// The scale of t_r: the setting, or else the score's default; nullopt for margins. Loop queries
 /// use the scale of single scores by default, which needs no other window.
 std::optional<ThresholdScale> scale_of(const SequenceQuerySettings& settings);
+/// Whether the settings search this training sequence.
+bool is_searched(const SequenceQuerySettings& settings, const std::string& sequence);
 /// The exclusion radius of windows: the setting, or the gap of a loop query in frames.
 std::optional<uint64_t> exclusion_frames_of(const SequenceQuerySettings& settings);
 /// Whether t_r is computed from the training sequences.

@@ -20,14 +20,6 @@ std::optional<ResultKeyframes> find_keyframes(const QueryPlan& plan) {
   return keyframes;
 }
 
-// Whether a query window has a best match with the margin of its training sequence.
-bool has_margin(const Result& result, size_t window) {
-  if (!result.best[window]) return false;
-  const std::optional<double> least = result.sequences[result.best[window]->sequence].margin;
-  const std::optional<double> margin = frame_margin(result, window);
-  return least && margin && *margin >= *least;
-}
-
 // Compares the result of an approximate search with an exact one.
 SearchRecall recall_of(const Result& result, const FrameDistances& distances, const QueryPlan& plan,
                        const Monitor& monitor) {
@@ -75,6 +67,11 @@ Match match_of(const Cell& cell, const QueryPlan& plan) {
           static_cast<double>(cell.score - offset)};
 }
 
+bool has_margin(const Result& result, const Match& best, std::optional<double> margin) {
+  const std::optional<double> least = result.sequences[best.sequence].margin;
+  return least && margin && *margin >= *least;
+}
+
 Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,
                    const std::vector<std::optional<uint32_t>>& margins) {
   Result result = plan.result;
@@ -83,7 +80,9 @@ Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,
   result.margins.assign(margins.begin(), margins.end());
   if (std::holds_alternative<ByMargin>(plan.decision)) {
     for (size_t window = 0; window < result.best.size(); ++window)
-      if (has_margin(result, window)) result.recognitions.push_back(*result.best[window]);
+      if (const auto& best = result.best[window];
+          best && has_margin(result, *best, frame_margin(result, window)))
+        result.recognitions.push_back(*best);
   } else {
     result.recognitions.reserve(found.recognitions.size());
     for (const Cell& cell : found.recognitions) result.recognitions.push_back(match_of(cell, plan));

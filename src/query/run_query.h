@@ -26,6 +26,9 @@ RecognitionScanSettings scan_settings(const QueryPlan& plan);
 /// A cell of a planned query, as in results.
 Match match_of(const Cell& cell, const QueryPlan& plan);
 
+/// Whether a best match has the margin of its training sequence. `margin`: in score per frame.
+bool has_margin(const Result& result, const Match& best, std::optional<double> margin);
+
 /// The result of a plan without clusters: recognitions, best matches and their margins. By margin,
 /// the recognitions are those of the best matches that have it; otherwise those of `found`.
 Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,

@@ -6,6 +6,7 @@
 #include "database/imported.h"
 #include "query/advice.h"
 #include "query/open.h"
+#include "query/prepare.h"
 #include "query/thresholds.h"
 #include "truth/times.h"
 
@@ -112,8 +113,8 @@ QueryRun run_query(const QueryData& data, const SequenceQuerySettings& settings,
                    const QueryResources& resources, const Observers& observers,
                    ResultContext& context, const Monitor& monitor) {
   context.run.memory_limit = resources.memory_limit;
-  QueryPlan plan = plan_query(*data.database, data.query, data.name, settings, resources, monitor,
-                              data.times_ns);
+  QueryPlan plan = plan_query(prepare(*data.database, settings, resources, monitor), data.query,
+                              data.name, settings, resources, monitor, data.times_ns);
   if (settings.past)
     std::get<SequenceQuerySettings>(plan.result.settings).past->descriptor =
         data.query.descriptors.kind->name;

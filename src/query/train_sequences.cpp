@@ -8,7 +8,7 @@
 #include "base/text.h"
 #include "database/imported.h"
 #include "match/distance_statistics.h"
-#include "query/open.h"
+#include "query/prepare.h"
 #include "query/thresholds.h"
 
 namespace vpr {

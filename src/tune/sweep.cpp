@@ -48,12 +48,22 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Labe
   // Most warnings are the same for every setting.
   const Monitor once = with_each_warning_once(monitor);
   std::vector<LengthSweep> sweeps(grid.windows.size());
-  for (size_t cell = 0; cell < sweeps.size() * grid.thresholds.size(); ++cell) {
-    std::vector<QueryPlan>& plans = sweeps[cell / grid.thresholds.size()].plans;
-    const SequenceQuerySettings settings = settings_at(grid, cell, base);
-    plans.push_back(plans.empty()
-                        ? plan_query(database, query.frames, query.name, settings, resources, once)
-                        : with_limit(plans.front(), database, settings, once));
+  const size_t thresholds = grid.thresholds.size();
+  // An automatic threshold, if there is one, needs what others need, and more.
+  const size_t neediest =
+      std::ranges::find(grid.thresholds, std::nullopt) - grid.thresholds.begin();
+  for (size_t l = 0; l < sweeps.size(); ++l) {
+    const size_t first = l * thresholds;
+    const PreparedDatabase prepared =
+        prepare(database, settings_at(grid, first + neediest % thresholds, base), resources, once);
+    std::vector<QueryPlan>& plans = sweeps[l].plans;
+    for (size_t cell = first; cell < first + thresholds; ++cell) {
+      const SequenceQuerySettings settings = settings_at(grid, cell, base);
+      if (cell == first)
+        plans = {plan_query(prepared, query.frames, query.name, settings, resources, once)};
+      else
+        plans.push_back(with_limit(plans.front(), prepared, settings, once));
+    }
   }
   return sweeps;
 }

@@ -13,7 +13,7 @@
 #include "fabmap/place_query.h"
 #include "fabmap/word_training.h"
 #include "present/summary.h"
-#include "query/open.h"
+#include "query/prepare.h"
 #include "query/train_sequences.h"
 #include "truth/times.h"
 
@@ -53,7 +53,7 @@ struct SequenceQuery {
   /// Adds what the settings need.
   void prepare(const DatabasePointer& database, const Monitor& monitor) {
     inputs.database = {database, &database->sequences()};
-    prepare_database(*inputs.database, settings, monitor);
+    ensure_statistics(*inputs.database, settings, monitor);
   }
 };
 
@@ -215,13 +215,13 @@ Live::Live(Keywords& keywords, DatabasePointer database, const Monitor& monitor)
 
 bool Live::has_arrays() const { return sequences_->descriptors.kind->is_imported; }
 
-std::optional<Result> Live::take(const LiveFrame& frame, const Monitor& monitor) {
+std::optional<LiveAnswer> Live::take(const LiveFrame& frame, const Monitor& monitor) {
   if (is_finished_)
     throw Error(ErrorKind::usage, "the query is finished. Make another {}", function_);
   return lines_->take(frame, monitor);
 }
 
-std::optional<Result> Live::finish() {
+std::optional<LiveAnswer> Live::finish() {
   is_finished_ = true;
   return lines_->finish();
 }

@@ -104,8 +104,8 @@ class Live {
   /// Whether frames are arrays of descriptors.
   bool has_arrays() const;
   /// As LiveLines. Throws Error(usage) after finish.
-  std::optional<Result> take(const LiveFrame& frame, const Monitor& monitor);
-  std::optional<Result> finish();
+  std::optional<LiveAnswer> take(const LiveFrame& frame, const Monitor& monitor);
+  std::optional<LiveAnswer> finish();
   const LiveLines& lines() const { return *lines_; }
 
  private:

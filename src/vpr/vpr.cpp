@@ -154,10 +154,10 @@ std::vector<NamedArgument> arguments_of(const std::vector<Sequence>& sequences,
   return calls::named_arguments(frames, array_name);
 }
 
-Match match_of(const stages::Result& result, const stages::Match& match, size_t query_frame) {
+Match match_of(const stages::Result& result, const stages::Match& match) {
   const size_t length = result.window_length();
   Match made;
-  made.query = query_frame;
+  made.query = anchor_of(match.query, length);
   made.sequence = result.places ? result.places->names[match.train]
                                 : result.sequences[match.sequence].sequence.name;
   made.frame = anchor_of(match.train, length);
@@ -165,27 +165,28 @@ Match match_of(const stages::Result& result, const stages::Match& match, size_t 
   return made;
 }
 
-std::optional<Match> best_of(const stages::Result& result, size_t window, size_t query_frame) {
-  const auto& best = result.best[window];
+std::optional<Match> best_of(const stages::Result& shape, const std::optional<stages::Match>& best,
+                             std::optional<double> margin) {
   if (!best) return std::nullopt;
-  Match made = match_of(result, *best, query_frame);
-  made.margin = frame_margin(result, window);
+  Match made = match_of(shape, *best);
+  made.margin = margin;
   return made;
 }
 
-// `latest`: the number of the latest frame of a live query, whose result has only the window of
-// this frame, and recognitions of the filter by query frame; nullopt for the result of a whole
-// query.
-std::vector<Match> recognitions_of(const stages::Result& result,
-                                   std::optional<size_t> latest = {}) {
+std::vector<Match> recognitions_of(const stages::Result& result) {
   std::vector<Match> made;
-  const bool is_live_path = latest && result.path;
   for (const stages::Match& match : result.recognitions) {
-    const size_t frame =
-        latest && !is_live_path ? *latest : anchor_of(match.query, result.window_length());
-    made.push_back(match_of(result, match, frame));
-    if (!is_live_path && result.best[match.query] == match)
-      made.back().margin = frame_margin(result, match.query);
+    made.push_back(match_of(result, match));
+    if (result.best[match.query] == match) made.back().margin = frame_margin(result, match.query);
+  }
+  return made;
+}
+
+std::vector<Match> recognitions_of(const stages::LiveAnswer& answer, const stages::Result& shape) {
+  std::vector<Match> made;
+  for (const stages::Match& match : answer.recognized) {
+    made.push_back(match_of(shape, match));
+    if (!has_paths(shape.settings) && answer.best == match) made.back().margin = answer.margin;
   }
   return made;
 }
@@ -194,10 +195,9 @@ Result result_of(std::shared_ptr<const StoredResult> stored) {
   const auto content = std::make_shared<Result::Content>();
   const stages::Result& result = stored->result;
   content->best.resize(result.query.frames);
-  for (size_t window = 0; window < result.best.size(); ++window) {
-    const size_t frame = anchor_of(window, result.window_length());
-    content->best[frame] = best_of(result, window, frame);
-  }
+  for (size_t window = 0; window < result.best.size(); ++window)
+    content->best[anchor_of(window, result.window_length())] =
+        best_of(result, result.best[window], frame_margin(result, window));
   content->recognitions = recognitions_of(result);
   content->stored = std::move(stored);
   return {content};
@@ -248,12 +248,13 @@ std::shared_ptr<const cv::Mat> mat_of(const Image& image) {
 template <class Query>
 Live::Answer answer_to(Query& query, const LiveFrame& frame) {
   return run(query.keywords.process, query.monitor, [&](const stages::Monitor& monitor) {
-    const std::optional<stages::Result> result = query.live->take(frame, monitor);
+    const std::optional<stages::LiveAnswer> taken = query.live->take(frame, monitor);
+    const LiveLines& lines = query.live->lines();
     Live::Answer answer;
-    answer.frame = query.live->lines().last().number;
-    if (!result) return answer;
-    answer.best = best_of(*result, 0, answer.frame);
-    answer.recognized = recognitions_of(*result, answer.frame);
+    answer.frame = lines.last().number;
+    if (!taken) return answer;
+    answer.best = best_of(lines.shape(), taken->best, taken->margin);
+    answer.recognized = recognitions_of(*taken, lines.shape());
     return answer;
   });
 }
@@ -356,9 +357,8 @@ Live::Answer Live::add_missing() { return answer_to(*content_, {}); }
 
 std::vector<Match> Live::finish() {
   return run(content_->keywords.process, content_->monitor, [&](const auto&) {
-    const std::optional<stages::Result> result = content_->live->finish();
-    return result ? recognitions_of(*result, content_->live->lines().last().number)
-                  : std::vector<Match>{};
+    const std::optional<stages::LiveAnswer> last = content_->live->finish();
+    return last ? recognitions_of(*last, content_->live->lines().shape()) : std::vector<Match>{};
   });
 }
 

@@ -22,19 +22,30 @@ std::string list_of(const fs::path& walk, const fs::path& list, const std::strin
   return list.string();
 }
 
+// What vpr-query live says at a frame, but for recognitions of other frames by the filter.
+std::optional<LiveAnswer> answer_at(const Result& result, size_t frame) {
+  const size_t length = result.window_length();
+  if (frame + 1 < length) return std::nullopt;
+  const size_t window = frame + 1 - length;
+  if (!result.best[window]) return std::nullopt;
+  LiveAnswer answer{result.best[window], frame_margin(result, window), std::nullopt, {}};
+  if (result.path) answer.rate = result.path->rates[window];
+  for (const Match& match : result.recognitions)
+    if (result.path || match.query == window) answer.recognized.push_back(match);
+  return answer;
+}
+
 // The results of the whole query in the format of vpr-query live.
 Words offline_lines(const std::string& query, const std::string& words, const Words& names) {
   run_ok("vpr-query $db --query " + query + " " + words + " -o r.json --force --quiet");
   const Result result = read_result("r.json").result;
   REQUIRE(result.query.frames == names.size());
-  const size_t length = result.window_length();
   Words lines;
   for (size_t frame = 0; frame < names.size(); ++frame) {
     const auto& gaps = result.query.unreadable;
     const bool is_gap = std::find(gaps.begin(), gaps.end(), frame) != gaps.end();
-    const bool has_window = frame + 1 >= length && result.best[frame + 1 - length];
-    lines.push_back(to_line(live_line({frame, names[frame], !is_gap},
-                                      has_window ? &result : nullptr, frame + 1 - length)));
+    lines.push_back(
+        to_line(live_line({frame, names[frame], !is_gap}, result, answer_at(result, frame))));
   }
   return lines;
 }

@@ -6,6 +6,7 @@
 
 #include "base/json.h"
 #include "query/open.h"
+#include "query/prepare.h"
 #include "reference/verified_query.h"
 #include "support.h"
 
@@ -59,7 +60,7 @@ void check_cells(const fs::path& query, const Figure& figure) {
   const SequenceQuerySettings settings{Threshold{windows, 0}};
   const SequenceDatabase database = open_database("d.vprdb", settings, {});
   const DescriptorSet frames = describe_query({query, {}}, database, settings, {});
-  run_verified(plan_query(database, frames, "query", settings, {}, {}), 100);
+  run_verified(plan_query(prepare(database, settings), frames, "query", settings, {}, {}), 100);
 }
 
 void check_figures(const DataSet& set, const std::vector<Figure>& figures) {

@@ -5,7 +5,7 @@
 #include "fabmap/place_query.h"
 #include "fuzz.h"
 #include "query/choices.h"
-#include "query/open.h"
+#include "query/prepare.h"
 #include "query/run_query.h"
 #include "query/train_sequences.h"
 
@@ -45,7 +45,9 @@ void query(const Json& json) {
   query.sequence.frames = kFrames;
   QueryResources resources;
   resources.memory_limit = size_t{1} << 26;
-  run_query(plan_query(kDatabase, query, "q", settings, resources, {}), {}, {});
+  run_query(
+      plan_query(prepare(kDatabase, settings, resources), query, "q", settings, resources, {}), {},
+      {});
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include "database/archive.h"
 #include "fabmap/place_query.h"
 #include "fuzz.h"
-#include "query/open.h"
+#include "query/prepare.h"
 #include "query/run_query.h"
 
 using namespace vpr;
@@ -40,8 +40,11 @@ void query_sequences(const std::filesystem::path& folder) {
   ensure_statistics(database, {});
   for (const Score score : {Score::raw, Score::zscore}) {
     const SequenceQuerySettings settings{Threshold{{.window_length = 2, .score = score}}};
-    fuzz::refuses(
-        [&] { run_query(plan_query(database, query, "q", settings, resources, {}), {}, {}); });
+    fuzz::refuses([&] {
+      run_query(
+          plan_query(prepare(database, settings, resources), query, "q", settings, resources, {}),
+          {}, {});
+    });
   }
 }
 

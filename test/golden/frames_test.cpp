@@ -16,7 +16,7 @@
 #include "fabmap/vocabulary.h"
 #include "golden/checksums.h"
 #include "golden/recording.h"
-#include "query/open.h"
+#include "query/prepare.h"
 #include "query/run_query.h"
 #include "support.h"
 
@@ -87,7 +87,9 @@ std::vector<FrameChecksum> window_rows(const SequenceQuerySettings& settings) {
     for (size_t x = 0; x < row.scores.size(); ++x)
       cells[{row.query_window, row.sequence, row.train_window + x}] = row.scores[x];
   };
-  run_query(plan_query(database, query, "back", settings, resources, {}), {{collect}}, {});
+  run_query(
+      plan_query(prepare(database, settings, resources), query, "back", settings, resources, {}),
+      {{collect}}, {});
   std::map<size_t, std::vector<uint32_t>> rows;
   for (const auto& [key, value] : cells) rows[std::get<0>(key)].push_back(value);
   std::vector<FrameChecksum> lines;

@@ -45,7 +45,8 @@ Result find_loops(const DescriptorSet& walk, const SequenceQuerySettings& settin
                   std::span<const int64_t> times = {}) {
   QueryResources resources;
   const SequenceDatabase database = own_database(walk, "w");
-  const QueryPlan plan = plan_query(database, walk, "w", settings, resources, {}, times);
+  const QueryPlan plan =
+      plan_query(prepare(database, settings, resources), walk, "w", settings, resources, {}, times);
   return test::run_verified(plan, 120, {}).result;
 }
 

@@ -5,7 +5,7 @@
 
 #include "examples.h"
 #include "queries.h"
-#include "query/open.h"
+#include "query/prepare.h"
 #include "support.h"
 
 using namespace vpr;

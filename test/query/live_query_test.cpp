@@ -7,7 +7,7 @@
 
 #include "examples.h"
 #include "queries.h"
-#include "query/open.h"
+#include "query/prepare.h"
 #include "query/thresholds.h"
 #include "query/train_sequences.h"
 #include "support.h"
@@ -47,33 +47,25 @@ struct Walks {
   std::vector<size_t> gaps;
 };
 
-std::vector<Match> recognitions_of(const Result& whole, uint32_t window) {
+std::vector<Match> recognitions_of(const Result& whole, size_t window) {
   std::vector<Match> recognitions;
-  for (Match recognition : whole.recognitions)
-    if (recognition.query == window) {
-      recognition.query = 0;
-      recognitions.push_back(recognition);
-    }
+  for (const Match& recognition : whole.recognitions)
+    if (recognition.query == window) recognitions.push_back(recognition);
   return recognitions;
 }
 
-void check_window(const Result& live, const Result& whole, size_t window) {
+void check_window(const LiveAnswer& live, const Result& whole, size_t window) {
   INFO("window " << window);
-  REQUIRE(live.best.size() == 1);
-  std::optional<Match> best = whole.best[window];
-  if (best) best->query = 0;
-  CHECK(live.best[0] == best);
-  CHECK(live.margins == std::vector{whole.margins[window]});
-  CHECK(live.recognitions == recognitions_of(whole, static_cast<uint32_t>(window)));
+  CHECK(live.best == whole.best[window]);
+  CHECK(live.margin == frame_margin(whole, window));
+  CHECK(live.recognized == recognitions_of(whole, window));
 }
 
 // The part of the result that is known when the frame arrives.
-void check_path(const Result& live, const Result& whole, size_t frame) {
-  REQUIRE(live.path);
-  CHECK(live.path->rates[0] == whole.path->rates[frame]);
-  CHECK(live.path->numbers[0] >= whole.path->numbers[frame]);  // later frames may resume a path
-  REQUIRE(live.best.size() == 1);
-  CHECK(live.best[0].has_value());
+void check_path(const LiveAnswer& live, const Result& whole, size_t frame) {
+  CHECK(live.rate == whole.path->rates[frame]);
+  REQUIRE(live.best);
+  CHECK(live.best->query == frame);
 }
 
 // Returns the number of recognized windows.
@@ -83,8 +75,8 @@ size_t check_live_query(const Walks& walks, const SequenceQuerySettings& setting
   const DescriptorRows rows = walks.query.rows();
   const size_t length = whole.window_length();
   std::vector<Match> decided;
-  const auto decide = [&](const Result& live, size_t frame) {
-    for (const Match& match : live.recognitions) {
+  const auto decide = [&](const LiveAnswer& live, size_t frame) {
+    for (const Match& match : live.recognized) {
       CHECK(whole.path->decided[match.query] == frame);
       decided.push_back(match);
     }
@@ -92,7 +84,7 @@ size_t check_live_query(const Walks& walks, const SequenceQuerySettings& setting
   for (size_t frame = 0; frame < rows.size(); ++frame) {
     INFO("frame " << frame);
     const bool is_gap = std::find(walks.gaps.begin(), walks.gaps.end(), frame) != walks.gaps.end();
-    const std::optional<Result> live = query.take({rows[frame], !is_gap});
+    const std::optional<LiveAnswer> live = query.take({rows[frame], !is_gap});
     if (live && whole.path) {
       check_path(*live, whole, frame);
       decide(*live, frame);
@@ -102,7 +94,7 @@ size_t check_live_query(const Walks& walks, const SequenceQuerySettings& setting
       CHECK_FALSE(whole.best[frame + 1 - length]);
     }
   }
-  if (const std::optional<Result> end = query.finish()) decide(*end, rows.size() - 1);
+  if (const std::optional<LiveAnswer> end = query.finish()) decide(*end, rows.size() - 1);
   if (whole.path) CHECK(decided == whole.recognitions);
   return recognized_windows(whole);
 }

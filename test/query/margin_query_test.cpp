@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "examples.h"
 #include "queries.h"
-#include "query/open.h"
+#include "query/prepare.h"
 #include "query/run_query.h"
 #include "reference/reference.h"
 #include "support.h"

@@ -32,7 +32,7 @@ SequenceDatabase make_database(const std::vector<std::vector<LdbCode>>& sequence
 
 QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
                    const SequenceQuerySettings& settings, const Monitor& monitor = {}) {
-  const QueryPlan plan = plan_query(database, query, "q", settings, {}, monitor);
+  const QueryPlan plan = plan_query(prepare(database, settings), query, "q", settings, {}, monitor);
   return plan.match.method->is_approximate() ? run_query(plan, {}, monitor)
                                              : test::run_verified(plan, 50, monitor);
 }
@@ -249,7 +249,7 @@ TEST_CASE("a query with other descriptors than the database is refused in one se
   DescriptorSet query = make_query(test::walk_codes(20, 2));
   query.descriptors.kind = &other;
   const SequenceQuerySettings settings = by_threshold(4);
-  const auto plan = [&] { plan_query(database, query, "q", settings, {}, {}); };
+  const auto plan = [&] { plan_query(prepare(database, settings), query, "q", settings, {}, {}); };
   CHECK(test::error_kind(plan) == ErrorKind::data);
   CHECK(test::error_text(plan) ==
         "the descriptors differ: the database has ldb, the query other. Describe both alike.");
@@ -265,7 +265,10 @@ TEST_CASE("windows with sums that exceed the file format are refused") {
   DescriptorSet query;
   query.descriptors.kind = &vectors;
   query.descriptors.owned = bytes;
-  const auto plan = [&] { plan_query(database, query, "q", by_threshold(32769, 0.5), {}, {}); };
+  const auto plan = [&] {
+    plan_query(prepare(database, by_threshold(32769, 0.5)), query, "q", by_threshold(32769, 0.5),
+               {}, {});
+  };
   CHECK(test::error_text(plan).starts_with("c_l must be at most 32768 for"));
   const Result result = query_all(database, query, by_threshold(5, 0.5)).result;
   CHECK(result.recognitions.size() == 96 * 96);  // all vectors are equal

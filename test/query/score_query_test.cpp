@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "examples.h"
 #include "queries.h"
-#include "query/open.h"
+#include "query/prepare.h"
 #include "query/run_query.h"
 #include "query/train_sequences.h"
 #include "reference/reference.h"
@@ -31,7 +31,8 @@ SequenceQuerySettings scored(uint64_t length, double threshold) {
 
 QueryRun query_all(const SequenceDatabase& database, const DescriptorSet& query,
                    const SequenceQuerySettings& settings, size_t verify = 50) {
-  return test::run_verified(plan_query(database, query, "q", settings, {}, {}), verify);
+  return test::run_verified(plan_query(prepare(database, settings), query, "q", settings, {}, {}),
+                            verify);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include "base/random.h"
 #include "examples.h"
 #include "queries.h"
-#include "query/open.h"
+#include "query/prepare.h"
 #include "support.h"
 
 using namespace vpr;

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "examples.h"
-#include "query/open.h"
+#include "query/prepare.h"
 
 using namespace vpr;
 
