@@ -106,7 +106,7 @@ ComparisonSettings settings_of(const Session& session, const CompareInputs& inpu
   if (settings.block > 0) return settings;
   settings.block = kMinBlock;
   for (const Report& report : reports)
-    settings.block = std::max(settings.block, report.outcomes.window_length);
+    settings.block = std::max(settings.block, report.frames.outcomes.window_length);
   return settings;
 }
 

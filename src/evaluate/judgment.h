@@ -43,18 +43,22 @@ MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
                        const ScoreLayout& layout, const Monitor& monitor,
                        bool skips_ignored = true);
 
-struct Judgment {
+/// The answers of all query frames, judged.
+struct JudgedFrames {
   JudgedBy by = JudgedBy::ground_truth;
-  ScoreLayout layout;
   Outcomes outcomes;
+  std::vector<Verdict> verdicts;  ///< one per query frame
+  Localization localization;
+  bool is_oracle = false;  ///< the threshold of verdicts was chosen from the ground truth
+};
+
+struct Judgment : JudgedFrames {
+  ScoreLayout layout;
   Curve single_best;
   std::optional<Curve> other_best;        ///< by the other confidence, if margins are known
   std::optional<PairJudgment> all_pairs;  ///< of a matrix
   std::vector<MatchedFrame> recognized;   ///< by a result; without one, accepted best matches
   std::optional<double> threshold;        ///< of accepted best matches
-  bool is_oracle = false;                 ///< the threshold was chosen from the ground truth
-  std::vector<Verdict> verdicts;          ///< one per query frame
-  Localization localization;
   std::vector<size_t> recall_at{kRecallAt.begin(), kRecallAt.end()};  ///< K to report
   size_t stretch_frames = kDefaultStretch;  ///< of the reported recall achievement rate
 };

@@ -210,7 +210,7 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
   const Judgment& judgment = evaluation.judgment;
   const GroundTruth& truth = evaluation.truth;
   Report report;
-  report.judged = judgment.by;
+  report.frames = judgment;
   report.query = evaluation.query().name;
   report.name = evaluation.name;
   report.caution = evaluation.caution;
@@ -247,17 +247,13 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
                           "compared images; ignored without an answer");
   }
   report.metrics = metrics_of(judgment);
-  report.localization = judgment.localization;
-  report.is_oracle = judgment.is_oracle;
   report.curves = by_acceptance(judgment, reported_curve);
-  report.outcomes = judgment.outcomes;
-  report.verdicts = judgment.verdicts;
   return report;
 }
 
 std::optional<double> value_of(const Report& report, const MetricAt& metric) {
   const Metric& row = *metric.metric;
-  if (row.of_path) return value_in(report.localization, *row.of_path);
+  if (row.of_path) return value_in(report.frames.localization, *row.of_path);
   if (row.of_best_match) return value_in(report.counts.best_match, *row.of_best_match);
   if (row.of_counts) return value_in(report.counts, *row.of_counts, metric.verdict);
   const auto index = [&](std::span<const Metric> all) {

@@ -97,7 +97,7 @@ struct ReportSources {
 };
 
 struct Report {
-  JudgedBy judged = JudgedBy::ground_truth;
+  JudgedFrames frames;  ///< without the references of best matches if it was read from a file
   std::string method;
   std::string query;
   Selection selection;  ///< of the query; without sources if it was read from a file
@@ -106,11 +106,7 @@ struct Report {
   std::optional<CountsByKeyframe> by_keyframe;
   std::optional<std::vector<ReportedCluster>> recognitions;
   ReportedMetrics metrics;
-  Localization localization;
-  bool is_oracle = false;  ///< the threshold of verdicts is from the ground truth
   ByAcceptance<ReportedCurve> curves;
-  Outcomes outcomes;  ///< without the references of best matches if it was read from a file
-  std::vector<Verdict> verdicts;
   Protocol protocol;
   ReportSources provenance;
   std::optional<std::string> name;  ///< set by the user

@@ -264,27 +264,28 @@ void visit_fields(Report& report, Visitor&& visit) {
                                 }});
   if (report.query_settings() != nullptr)
     visit("counts", NestedObject{[&](auto&& inner) {
-            visit_metrics(report.counts, &Metric::of_counts, report.judged, inner);
+            visit_metrics(report.counts, &Metric::of_counts, report.frames.by, inner);
           }});
-  const bool has_truth = report.judged == JudgedBy::ground_truth;
+  const bool has_truth = report.frames.by == JudgedBy::ground_truth;
   if (has_truth) visit("best_match", report.counts.best_match);
   visit("by_keyframe", IfSet{report.by_keyframe});
   visit("recognized_places", IfSet{report.recognitions});
   if (has_truth) visit("metrics", report.metrics);
   visit("localization", NestedObject{[&](auto&& inner) {
-          visit_metrics(report.localization, &Metric::of_path, report.judged, inner);
+          visit_metrics(report.frames.localization, &Metric::of_path, report.frames.by, inner);
         }});
-  if (has_truth) visit("confidence", Unless{report.outcomes.confidence, Confidence::score});
-  visit("oracle", Unless{report.is_oracle, false});
+  if (has_truth) visit("confidence", Unless{report.frames.outcomes.confidence, Confidence::score});
+  visit("oracle", Unless{report.frames.is_oracle, false});
   if (has_truth) visit("curves", report.curves);
-  visit("outcomes", OutcomesForm{report.outcomes, report.verdicts});
-  visit("protocol",
-        NestedObject{[&](auto&& inner) { visit_protocol(report.protocol, report.judged, inner); }});
+  visit("outcomes", OutcomesForm{report.frames.outcomes, report.frames.verdicts});
+  visit("protocol", NestedObject{[&](auto&& inner) {
+          visit_protocol(report.protocol, report.frames.by, inner);
+        }});
   visit("provenance", NestedObject{[&](auto&& inner) {
-          visit_sources(report.provenance, report.judged, inner);
+          visit_sources(report.provenance, report.frames.by, inner);
         }});
   visit("name", IfSet{report.name});
-  visit("judged", Unless{report.judged, JudgedBy::ground_truth});
+  visit("judged", Unless{report.frames.by, JudgedBy::ground_truth});
 }
 
 Json report_json(const Report& report) { return value_to_json(report, kDataForm); }
@@ -305,7 +306,7 @@ Report parse_report(const Json& json, const std::string& where) {
   const Fields fields(json, where);
   Report report;
   value_from_json(json, report, fields.source(), "report");
-  Outcomes& outcomes = report.outcomes;
+  Outcomes& outcomes = report.frames.outcomes;
   const QuerySettings* of_query = report.query_settings();
   outcomes.window_length = of_query != nullptr
                                ? window_length_of(*of_query)

@@ -44,12 +44,12 @@ std::string sentence_of(const ComparisonReport& comparison) {
 Chart curves_overlay(const std::string& title, std::span<const Report> reports) {
   Chart chart = precision_recall_chart(title);
   for (const Report& report : reports) {
-    const Curve curve = single_best_curve(report.outcomes);
+    const Curve curve = single_best_curve(report.frames.outcomes);
     const auto area = find_metric("average_precision").of_curve(curve).value;
     Series series{
         fmt::format("{}: {}{}{}", report.row_name, counted(curve.positives, "frame"),
                     area ? fmt::format(", AP {:.4f}", *area) : "",
-                    report.outcomes.confidence == Confidence::margin ? ", by margin" : ""),
+                    report.frames.outcomes.confidence == Confidence::margin ? ", by margin" : ""),
         {},
         SeriesStyle::line};
     if (curve.is_measurable()) series.points = curve_points(curve);
@@ -67,12 +67,12 @@ Chart lanes_chart(const std::string& title, std::span<const Report> reports) {
   size_t frames = 1;
   for (size_t r = 0; r < reports.size(); ++r) {
     const auto top = static_cast<double>(r);
-    for (const ChartStretch& run : verdict_stretches(reports[r].verdicts)) {
+    for (const ChartStretch& run : verdict_stretches(reports[r].frames.verdicts)) {
       Series& boxes = *std::ranges::find(chart.series, run.meaning, &Series::meaning);
       boxes.points.emplace_back(run.begin, top + kLaneTop);
       boxes.points.emplace_back(run.end, top + 0.95);
     }
-    frames = std::max(frames, reports[r].verdicts.size());
+    frames = std::max(frames, reports[r].frames.verdicts.size());
     chart.y.ticks.push_back({top + kLaneTop, reports[r].row_name});
   }
   erase_empty_series(chart);

@@ -61,31 +61,31 @@ std::string verdict_of(const ComparisonReport& comparison, const ComparedValue& 
 
 // The report over these frames of the query alone, without the numbers that need all of them.
 void restrict_to(Report& report, const std::vector<size_t>& frames) {
-  std::vector<QueryOutcome>& queries = report.outcomes.queries;
+  std::vector<QueryOutcome>& queries = report.frames.outcomes.queries;
   std::vector<Verdict> verdicts;
   uint64_t off_map = 0;
   for (size_t frame = 0; frame < queries.size(); ++frame) {
     if (std::ranges::binary_search(frames, frame)) {
-      verdicts.push_back(report.verdicts[frame]);
+      verdicts.push_back(report.frames.verdicts[frame]);
       off_map += !queries[frame].has_match && verdicts.back() == Verdict::incorrect;
       continue;
     }
     queries[frame] = QueryOutcome{};
     queries[frame].frame = frame;
-    report.verdicts[frame] = Verdict::none;
+    report.frames.verdicts[frame] = Verdict::none;
   }
-  report.counts.best_match = best_match_counts(report.outcomes);
-  report.localization = localize(verdicts, {});
-  report.localization.frames_with_match = report.counts.best_match.frames;
-  report.localization.off_map = off_map;
-  report.localization.first_recognition_frames.reset();
-  report.metrics.curves = {numbers_of(single_best_curve(report.outcomes)), {}, {}, {}};
+  report.counts.best_match = best_match_counts(report.frames.outcomes);
+  report.frames.localization = localize(verdicts, {});
+  report.frames.localization.frames_with_match = report.counts.best_match.frames;
+  report.frames.localization.off_map = off_map;
+  report.frames.localization.first_recognition_frames.reset();
+  report.metrics.curves = {numbers_of(single_best_curve(report.frames.outcomes)), {}, {}, {}};
   report.metrics.recall_achievement = {};
   for (size_t m = 0; m < report.metrics.ranks.size(); ++m)
     for (auto& [k, value] : report.metrics.ranks[m])
       value = rank_metrics()[m].needs_all_ranks
                   ? std::nullopt
-                  : rank_value({&rank_metrics()[m], k}, report.outcomes);
+                  : rank_value({&rank_metrics()[m], k}, report.frames.outcomes);
 }
 
 Json named_report_json(const ComparisonReport& comparison, size_t r) {
@@ -96,8 +96,8 @@ Json named_report_json(const ComparisonReport& comparison, size_t r) {
                {"frames", report.counts.best_match.frames},
                {"paired", comparison.is_paired(r)},
                {"localization", Json::object()},
-               {"oracle", report.is_oracle},
-               {"confidence", enum_name(report.outcomes.confidence)},
+               {"oracle", report.frames.is_oracle},
+               {"confidence", enum_name(report.frames.outcomes.confidence)},
                {"fingerprint", report.provenance.evaluated()}};
   if (report.query_settings() != nullptr) {
     const LabelCounts& pairs = report.counts.recognitions;
@@ -154,11 +154,11 @@ std::string ComparisonReport::frames() const {
 void compare_reports(ComparisonReport& comparison, const Monitor& monitor) {
   std::vector<NamedOutcomes> methods;
   for (size_t r = 0; r < comparison.reports.size(); ++r)
-    methods.push_back(
-        {comparison.reports[r].row_name, comparison.reports[r].outcomes, comparison.is_paired(r)});
+    methods.push_back({comparison.reports[r].row_name, comparison.reports[r].frames.outcomes,
+                       comparison.is_paired(r)});
   comparison.found = compare_outcomes(methods, comparison.settings, monitor);
   comparison.omits_frames =
-      comparison.found.frames.size() < comparison.reports.front().outcomes.queries.size();
+      comparison.found.frames.size() < comparison.reports.front().frames.outcomes.queries.size();
   for (size_t r = 0; r < comparison.reports.size(); ++r)
     if (comparison.omits_frames && comparison.is_paired(r))
       restrict_to(comparison.reports[r], comparison.found.frames);

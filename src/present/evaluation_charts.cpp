@@ -142,8 +142,8 @@ std::vector<RankedMatch> strictest_first(const Judgment& judgment) {
 
 ScoreUnit score_unit(const Report& report) {
   if (const QuerySettings* settings = report.query_settings())
-    return score_unit(*settings, report.outcomes.window_length);
-  return {std::string(enum_name(report.outcomes.kind))};
+    return score_unit(*settings, report.frames.outcomes.window_length);
+  return {std::string(enum_name(report.frames.outcomes.kind))};
 }
 
 std::vector<std::pair<double, double>> curve_points(const Curve& curve) {

@@ -63,7 +63,7 @@ std::string figures_html(std::span<const Chart> charts) {
 }
 
 std::string tables_html(const Report& report) {
-  if (report.judged != JudgedBy::ground_truth) return table_html(places_table(report));
+  if (report.frames.by != JudgedBy::ground_truth) return table_html(places_table(report));
   std::string html;
   for (const Table& table : metrics_tables(report)) html += table_html(table);
   Table summary = report_table(report);
@@ -113,7 +113,7 @@ void add_sources(Json& data, const GroundTruthScope& scope) {
 Json page_data(const Report& report, const Judgment& judgment) {
   Json data;
   const ScoreUnit unit = score_unit(report);
-  data["best"] = outcome_letters(report.outcomes);
+  data["best"] = outcome_letters(report.frames.outcomes);
   data["unit"] = {{"words", unit.words}, {"divisor", unit.divisor}};
   data["judged"] = judgment.by != JudgedBy::nothing;
   data["sequences"] = Json::array();

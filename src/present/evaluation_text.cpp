@@ -96,7 +96,7 @@ std::vector<RecognizedRange> judged_ranges(const Evaluation& evaluation) {
 std::string places_text(const Report& report) {
   const auto& [correct, incorrect, ignored] = *report.counts.clusters;
   const LabelCounts& pairs = *report.counts.recognitions_by_place;
-  if (report.judged == JudgedBy::nothing)
+  if (report.frames.by == JudgedBy::nothing)
     return fmt::format("{}, of {}", ignored, counted(pairs.ignored, "recognition"));
   return fmt::format(
       "{} correct, {} incorrect, {} without an answer; of {}, {} and {} recognitions", correct,
@@ -118,17 +118,17 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
     text += line("ground truth", report.protocol.ground_truth);
     const std::string best = result != nullptr ? best_match_text(report) : "";
     if (!best.empty()) text += line("best match", best);
-    if (report.outcomes.has_ranks) text += line("recall", recall_text(report));
+    if (report.frames.outcomes.has_ranks) text += line("recall", recall_text(report));
     const auto& curves = report.metrics.curves;
-    const bool by_margin = report.outcomes.confidence == Confidence::margin;
-    if (report.outcomes.has_scores) {
+    const bool by_margin = report.frames.outcomes.confidence == Confidence::margin;
+    if (report.frames.outcomes.has_scores) {
       text += line("curve", curve_text(curves.single_best) + (by_margin ? ", by margin" : ""));
       if (curves.all_pairs) text += line("all pairs", curve_text(*curves.all_pairs));
     }
-    if (const std::string unknown = unknown_text(report.outcomes); !unknown.empty())
+    if (const std::string unknown = unknown_text(report.frames.outcomes); !unknown.empty())
       text += line("not known", unknown);
   }
-  if (result != nullptr && report.judged != JudgedBy::ground_truth && report.counts.clusters)
+  if (result != nullptr && report.frames.by != JudgedBy::ground_truth && report.counts.clusters)
     text += line("places", places_text(report));
   if (result != nullptr)
     text += ranges_text(*result, judged_ranges(evaluation), most_ranges, "other range");

@@ -25,7 +25,7 @@ bool has_incorrect_pairs(const Report& report) {
 
 // A threshold from the ground truth recognizes nothing, and scores have no accepted pairs.
 Value shown_value(const Report& report, const MetricAt& at) {
-  if (at.metric->of_path && report.is_oracle) return std::nullopt;
+  if (at.metric->of_path && report.frames.is_oracle) return std::nullopt;
   if (at.metric->of_counts && report.query_settings() == nullptr) return std::nullopt;
   return value_of(report, at);
 }
@@ -145,7 +145,7 @@ std::string note_of(const Report& report, bool is_comparable, bool differ) {
   if (!is_comparable)
     notes.push_back(
         fmt::format("over {} of its own", counted(report.counts.best_match.frames, "frame")));
-  if (report.is_oracle) notes.emplace_back("threshold from the ground truth");
+  if (report.frames.is_oracle) notes.emplace_back("threshold from the ground truth");
   if (const std::string caution = caution_of(report); !caution.empty()) notes.push_back(caution);
   if (differ) notes.push_back(report.protocol.ground_truth);
   return fmt::format("{}", fmt::join(notes, "; "));

@@ -139,7 +139,7 @@ std::string place_questions_page(const Evaluation& evaluation, const Report& rep
     Question& one = questions.emplace_back(
         Question{answer_row(result, place), result.sequences[cluster.sequence].sequence.name,
                  counted(cluster.recognitions, "recognition"), cluster.sequence, pairs[place]});
-    if (report.judged == JudgedBy::places && label != PlaceLabel::ignore)
+    if (report.frames.by == JudgedBy::places && label != PlaceLabel::ignore)
       one.answer = label == PlaceLabel::same ? "yes" : "no";
   }
   const Json words = {{"noun", "place"},

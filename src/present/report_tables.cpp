@@ -55,7 +55,7 @@ using NamedNumbers = std::pair<std::string, const CurveNumbers*>;
 
 std::vector<NamedNumbers> curves_of(const Report& report) {
   const auto& curves = report.metrics.curves;
-  const bool by_margin = report.outcomes.confidence == Confidence::margin;
+  const bool by_margin = report.frames.outcomes.confidence == Confidence::margin;
   std::vector<NamedNumbers> all = {
       {by_margin ? "best matches, by margin" : "best matches", &curves.single_best}};
   if (curves.by_margin) all.emplace_back("best matches, by margin", &*curves.by_margin);
@@ -120,8 +120,8 @@ Table localization_table(const Report& report) {
   Table table;
   table.title = fmt::format("Along the path ({})", report.protocol.definition("localization"));
   add_column(table, fmt::format("frames {}", report.frames_that_count()),
-             report.localization.frames_with_match);
-  const Localization& path = report.localization;
+             report.frames.localization.frames_with_match);
+  const Localization& path = report.frames.localization;
   for (const bool in_meters : {false, true})
     for (const Metric& metric : metrics())
       if (metric.of_path && !metric.symbol.empty() && metric.key.ends_with("_m") == in_meters &&
@@ -235,8 +235,8 @@ Table report_table(const Report& report) {
 
 Table places_table(const Report& report) {
   const Counts& counts = report.counts;
-  const Localization& path = report.localization;
-  const bool is_judged = report.judged == JudgedBy::places;
+  const Localization& path = report.frames.localization;
+  const bool is_judged = report.frames.by == JudgedBy::places;
   Table table;
   table.title = fmt::format("{} ({})", evaluation_title(report),
                             is_judged ? report.protocol.ground_truth : "not judged");

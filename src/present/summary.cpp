@@ -149,7 +149,7 @@ std::string summary_sentence(const Evaluation& evaluation,
 
 std::string off_map_words(std::span<const Report> reports) {
   const bool any = std::ranges::any_of(
-      reports, [](const Report& report) { return report.localization.off_map > 0; });
+      reports, [](const Report& report) { return report.frames.localization.off_map > 0; });
   return any ? "; incorrect also counts frames without a match" : "";
 }
 

@@ -20,10 +20,10 @@ struct QueryResources {
 struct PreparedDatabase {
   const SequenceDatabase* database;    ///< with statistics if scores need them
   std::vector<DescribedFrames> train;  ///< all sequences, also those that are not searched
-  std::optional<ExclusionZones> exclusion_zones;  ///< nullopt: no margins
-  std::vector<RepeatedPlace> passes;              ///< of the filter
-  std::vector<double> typical_distances;          ///< by sequence, for default margins; else empty
-  std::optional<ThresholdTable> thresholds;       ///< for an automatic t_r
+  std::optional<ExclusionZones> exclusion_zones = {};  ///< nullopt: no margins
+  std::vector<RepeatedPlace> passes = {};              ///< of the filter
+  std::vector<double> typical_distances = {};     ///< by sequence, for default margins; else empty
+  std::optional<ThresholdTable> thresholds = {};  ///< for an automatic t_r
 };
 
 /// Adds the initial statistics of z-scores: the components of the training frames, which are not

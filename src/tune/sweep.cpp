@@ -51,7 +51,7 @@ std::vector<LengthSweep> plan_sweep(const SequenceDatabase& database, const Labe
   const size_t thresholds = grid.thresholds.size();
   // An automatic threshold, if there is one, needs what others need, and more.
   const size_t neediest =
-      std::ranges::find(grid.thresholds, std::nullopt) - grid.thresholds.begin();
+      std::ranges::find(grid.thresholds, std::optional<double>{}) - grid.thresholds.begin();
   for (size_t l = 0; l < sweeps.size(); ++l) {
     const size_t first = l * thresholds;
     const PreparedDatabase prepared =

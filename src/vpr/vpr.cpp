@@ -182,7 +182,7 @@ std::vector<Match> recognitions_of(const stages::Result& result) {
   return made;
 }
 
-std::vector<Match> recognitions_of(const stages::LiveAnswer& answer, const stages::Result& shape) {
+std::vector<Match> recognitions_of(const vpr::LiveAnswer& answer, const stages::Result& shape) {
   std::vector<Match> made;
   for (const stages::Match& match : answer.recognized) {
     made.push_back(match_of(shape, match));
@@ -248,7 +248,7 @@ std::shared_ptr<const cv::Mat> mat_of(const Image& image) {
 template <class Query>
 Live::Answer answer_to(Query& query, const LiveFrame& frame) {
   return run(query.keywords.process, query.monitor, [&](const stages::Monitor& monitor) {
-    const std::optional<stages::LiveAnswer> taken = query.live->take(frame, monitor);
+    const std::optional<vpr::LiveAnswer> taken = query.live->take(frame, monitor);
     const LiveLines& lines = query.live->lines();
     Live::Answer answer;
     answer.frame = lines.last().number;
@@ -357,7 +357,7 @@ Live::Answer Live::add_missing() { return answer_to(*content_, {}); }
 
 std::vector<Match> Live::finish() {
   return run(content_->keywords.process, content_->monitor, [&](const auto&) {
-    const std::optional<stages::LiveAnswer> last = content_->live->finish();
+    const std::optional<vpr::LiveAnswer> last = content_->live->finish();
     return last ? recognitions_of(*last, content_->live->lines().shape()) : std::vector<Match>{};
   });
 }

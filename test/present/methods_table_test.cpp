@@ -17,10 +17,10 @@ Report windows(const std::string& name, uint64_t correct, LabelCounts pairs) {
   report.query = "walk";
   report.settings = QuerySettings(SequenceQuerySettings{Threshold{{.window_length = 2}, 0.5}});
   report.counts.recognitions = pairs;
-  report.counts.best_match.frames = report.localization.frames_with_match = 10;
-  report.localization.frames = 12;
-  report.localization.correct = correct;
-  report.localization.longest_gap_frames = 5;
+  report.counts.best_match.frames = report.frames.localization.frames_with_match = 10;
+  report.frames.localization.frames = 12;
+  report.frames.localization.correct = correct;
+  report.frames.localization.longest_gap_frames = 5;
   report.metrics.ranks[0][1] = static_cast<double>(correct) / 10;
   report.metrics.curves.single_best.values[0].value = 0.5;
   return report;
@@ -29,7 +29,7 @@ Report windows(const std::string& name, uint64_t correct, LabelCounts pairs) {
 Report filter(const std::string& name, uint64_t correct) {
   Report report = windows(name, correct, {correct, 0, 0});
   report.settings = QuerySettings(SequenceQuerySettings{Filter{}});
-  report.localization.first_recognition_frames = 4;
+  report.frames.localization.first_recognition_frames = 4;
   return report;
 }
 
@@ -73,7 +73,7 @@ TEST_CASE(
     "frames at a threshold from the ground truth are unknown, and reports without labels or "
     "over other frames are not the best") {
   std::vector<Report> reports = {filter("a", 9), filter("b", 6), filter("c", 7)};
-  reports[1].is_oracle = true;
+  reports[1].frames.is_oracle = true;
   reports[2].provenance.ground_truth = "another";
   reports[2].counts.best_match.frames = 9;
   reports[2].metrics.ranks[0][1] = 0.95;

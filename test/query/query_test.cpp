@@ -248,7 +248,7 @@ TEST_CASE("a query with other descriptors than the database is refused in one se
   const DescriptorKind other{"other", "", kLdbShape, nullptr};
   DescriptorSet query = make_query(test::walk_codes(20, 2));
   query.descriptors.kind = &other;
-  const SequenceQuerySettings settings = by_threshold(4);
+  const SequenceQuerySettings settings = by_threshold(4, 0.5);
   const auto plan = [&] { plan_query(prepare(database, settings), query, "q", settings, {}, {}); };
   CHECK(test::error_kind(plan) == ErrorKind::data);
   CHECK(test::error_text(plan) ==
