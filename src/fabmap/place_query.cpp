@@ -118,6 +118,53 @@ ViewWords new_place_views(const FabmapDatabase& database, const FabmapQuerySetti
   return sample;
 }
 
+/// Adds the frames of a query to its result, in order, because the motion model starts from the
+/// previous posterior.
+class PlaceTracker {
+ public:
+  PlaceTracker(const SequenceWords& query, const FabmapQuerySettings& settings,
+               const std::vector<uint32_t>& place_of, const PosteriorObserver& observe,
+               Result& result)
+      : query_(query),
+        settings_(settings),
+        place_of_(place_of),
+        observe_(observe),
+        result_(result) {}
+
+  /// `views`, `new_place`: log likelihoods.
+  void add(size_t frame, std::span<const double> views, double new_place) {
+    const bool unreadable = std::ranges::binary_search(query_.sequence.unreadable, frame);
+    std::vector<double> posterior;
+    if (!unreadable) {
+      extend_previous(previous_, views.size(), settings_.posterior.smoothing);
+      posterior = fabmap_posterior(views, new_place, previous_, settings_.posterior);
+    }
+    // A frame without words resembles every view without words. Its posterior goes to files and to
+    // the motion model, but recognizes nothing.
+    const std::span<const double> shown =
+        query_.words[frame].empty() ? std::span<const double>{} : posterior;
+    if (observe_) observe_(frame, posterior);
+    window_.add(shown, settings_.place_threshold, views.size());
+    result_.places->new_place.push_back(unreadable ? 0 : posterior[0]);
+    result_.best.emplace_back();
+    if (!shown.empty() && !views.empty()) {
+      const Match best = likeliest_view(frame, posterior, place_of_);
+      if (std::isfinite(views[best.view])) result_.best.back() = best;
+    }
+    append_recognitions(result_.recognitions, frame, shown, window_, settings_.window, place_of_);
+    if (!unreadable) previous_ = std::move(posterior);
+  }
+
+ private:
+  const SequenceWords& query_;
+  const FabmapQuerySettings& settings_;
+  const std::vector<uint32_t>& place_of_;
+  const PosteriorObserver& observe_;
+  Result& result_;
+  ViewWindow window_;
+  std::vector<double> previous_;  // posterior
+};
+
 }  // namespace
 
 std::span<const SettingRow> fabmap_setting_rows() { return kFabmapRows; }
@@ -172,37 +219,12 @@ QueryRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query
   const std::vector<uint32_t> place_of = places_of(searched);
   const size_t frames = query.sequence.frames;
   QueryRun run{make_result(searched, query, query_name, settings), {}};
-  Result& result = run.result;
   Stopwatch watch;
   const FabmapMatcher matcher(searched, settings, seed);
   run.seconds["index"] = watch.elapsed_s();
   watch = {};
   StepCounter counter(monitor, "match", frames);
-  ViewWindow window;
-  std::vector<double> previous;
-  // In order of frames, because the motion model starts from the previous posterior.
-  const auto fold = [&](size_t frame, std::span<const double> views, double new_place) {
-    const bool unreadable = std::ranges::binary_search(query.sequence.unreadable, frame);
-    std::vector<double> posterior;
-    if (!unreadable) {
-      extend_previous(previous, views.size(), settings.posterior.smoothing);
-      posterior = fabmap_posterior(views, new_place, previous, settings.posterior);
-    }
-    // A frame without words resembles every view without words. Its posterior goes to files and to
-    // the motion model, but recognizes nothing.
-    const std::span<const double> shown =
-        query.words[frame].empty() ? std::span<const double>{} : posterior;
-    if (observe) observe(frame, posterior);
-    window.add(shown, settings.place_threshold, views.size());
-    result.places->new_place.push_back(unreadable ? 0 : posterior[0]);
-    result.best.emplace_back();
-    if (!shown.empty() && !views.empty()) {
-      const Match best = likeliest_view(frame, posterior, place_of);
-      if (std::isfinite(views[best.view])) result.best.back() = best;
-    }
-    append_recognitions(result.recognitions, frame, shown, window, settings.window, place_of);
-    if (!unreadable) previous = std::move(posterior);
-  };
+  PlaceTracker tracker(query, settings, place_of, observe, run.result);
   const size_t at_once =
       std::clamp(kPosteriorsAtOnce / place_of.size(), size_t{2}, kMostFramesAtOnce);
   for (size_t begin = 0; begin < frames; begin += at_once) {
@@ -215,7 +237,7 @@ QueryRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query
       new_place[i] = matcher.new_place(query.words[frame]);
       counter.add();
     });
-    for (size_t i = 0; i < count; ++i) fold(begin + i, views[i], new_place[i]);
+    for (size_t i = 0; i < count; ++i) tracker.add(begin + i, views[i], new_place[i]);
   }
   run.seconds["match"] = watch.elapsed_s();
   return run;
