@@ -71,7 +71,6 @@ void set_up_process() {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   std::cerr.rdbuf(nullptr);  // only OpenCV's codecs write to it
-  ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
 }
 
 std::shared_ptr<spdlog::logger> make_logger(const CommonOptions& options) {

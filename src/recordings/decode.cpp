@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <unistd.h>
 
 #include "base/error.h"
@@ -111,12 +112,6 @@ ssize_t pass_on(void*, const char* bytes, size_t size) {
   return static_cast<ssize_t>(done);
 }
 
-PixelRange range_of(const cv::Mat& image) {
-  PixelRange range;
-  cv::minMaxIdx(image.reshape(1), &range.low, &range.high);
-  return range;
-}
-
 // With 16 bits per channel if the file has them.
 cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
   const auto fail = [&](std::string_view why) {
@@ -165,10 +160,31 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
     fail(fmt::format("it is damaged, or of a kind that OpenCV does not read{}{}",
                      header.kind.empty() ? "" : ": ", header.kind));
   turn_upright(image, header.orientation);
-  return image;
+  return in_format(image, format);
 }
 
 }  // namespace
+
+cv::Mat in_format(const cv::Mat& image, PixelFormat format) {
+  if (image.channels() == (format == PixelFormat::gray ? 1 : 3)) return image;
+  cv::Mat converted;
+  cv::cvtColor(image, converted,
+               format == PixelFormat::gray ? cv::COLOR_BGR2GRAY : cv::COLOR_GRAY2BGR);
+  return converted;
+}
+
+PixelRange range_of(const cv::Mat& image) {
+  PixelRange range;
+  cv::minMaxIdx(image.reshape(1), &range.low, &range.high);
+  return range;
+}
+
+void scale_to_8_bits(cv::Mat& image, const std::optional<PixelRange>& range) {
+  if (image.depth() != CV_16U) return;
+  const auto [low, high] = range ? *range : range_of(image);
+  const double scale = 255 / std::max(1.0, high - low);
+  image.convertTo(image, CV_8U, scale, -scale * low);
+}
 
 void turn_upright(cv::Mat& image, int orientation) {
   if (orientation >= 5) cv::transpose(image, image);
@@ -181,10 +197,7 @@ void turn_upright(cv::Mat& image, int orientation) {
 cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format,
                      const std::optional<PixelRange>& range) {
   cv::Mat image = decode_pixels(path, format);
-  if (image.depth() != CV_16U) return image;
-  const auto [low, high] = range ? *range : range_of(image);
-  const double scale = 255 / std::max(1.0, high - low);
-  image.convertTo(image, CV_8U, scale, -scale * low);
+  scale_to_8_bits(image, range);
   return image;
 }
 

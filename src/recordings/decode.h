@@ -36,6 +36,16 @@ cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format,
 /// does.
 std::optional<PixelRange> pixel_range(const std::filesystem::path& path);
 
+/// An image of gray or of blue, green and red, converted by BGR2GRAY or GRAY2BGR if necessary; may
+/// share the pixels of `image`.
+cv::Mat in_format(const cv::Mat& image, PixelFormat format);
+
+/// The least and the largest value of all channels.
+PixelRange range_of(const cv::Mat& image);
+
+/// Scales 16-bit values as decode_image does; images of 8 bits do not change.
+void scale_to_8_bits(cv::Mat& image, const std::optional<PixelRange>& range);
+
 /// Applies an EXIF orientation, 1 to 8; 1: as stored.
 void turn_upright(cv::Mat& image, int orientation);
 
@@ -79,9 +89,5 @@ struct ImageHeader {
 
 /// Never throws: fields that a damaged header lacks keep their defaults.
 ImageHeader read_image_header(std::string_view file);
-
-/// Whether the display matrix of an MP4 or MOV video mirrors its frames, which OpenCV's rotation
-/// omits. If so, they are flipped upside down before they are rotated. False for other files.
-bool is_mirrored_video(const std::filesystem::path& path);
 
 }  // namespace vpr

@@ -2,7 +2,6 @@
 #include <array>
 #include <cctype>
 #include <charconv>
-#include <fstream>
 #include <set>
 
 #include <fmt/format.h>
@@ -106,29 +105,6 @@ bool is_pnm_16(std::string_view file) {
   return value > 255;
 }
 
-// The first bytes of the box "moov" of an MP4 or MOV video; empty for other files.
-std::string movie_box(const std::filesystem::path& path) {
-  constexpr int kMostBoxes = 100;
-  constexpr uint64_t kMostBytes = uint64_t{1} << 24;
-  constexpr uint64_t kMostSize = uint64_t{1} << 56;
-  std::ifstream file(path, std::ios::binary);
-  uint64_t at = 0;
-  for (int box = 0; box < kMostBoxes; ++box) {
-    std::string bytes(16, '\0');
-    file.seekg(static_cast<std::streamoff>(at));
-    if (!file.read(bytes.data(), 16)) return "";
-    const ByteReader reader{bytes};
-    const uint64_t size = reader.number(0, 4) == 1 ? reader.number(8, 8) : reader.number(0, 4);
-    if (size < 8 || size > kMostSize) return "";
-    at += size;
-    if (bytes.substr(4, 4) != "moov") continue;
-    bytes.resize(std::clamp<uint64_t>(size, 16, kMostBytes));
-    file.read(bytes.data() + 16, static_cast<std::streamsize>(bytes.size()) - 16);
-    return bytes;
-  }
-  return "";
-}
-
 }  // namespace
 
 ImageHeader read_image_header(std::string_view file) {
@@ -143,27 +119,6 @@ ImageHeader read_image_header(std::string_view file) {
   else if (file.starts_with("RIFF"))
     header.orientation = webp_orientation(file);
   return header;
-}
-
-bool is_mirrored_video(const std::filesystem::path& path) {
-  const std::string movie = movie_box(path);
-  const ByteReader reader{movie};
-  // Whether the determinant of a matrix is negative. `at`: of its header; `offset`: of the matrix
-  // if the header is of version 0, with times of 32 bits.
-  const auto mirrors = [&](size_t at, size_t offset) {
-    const size_t matrix = at + offset + (reader.number(at, 1) == 1 ? 12 : 0);
-    const auto cell = [&](size_t k) {
-      return int64_t{static_cast<int32_t>(reader.number(matrix + 4 * k, 4))};
-    };
-    return cell(0) * cell(4) < cell(1) * cell(3);
-  };
-  const bool mirrors_all = mirrors(movie.find("mvhd") + 4, 36);
-  for (size_t at = movie.find("tkhd"); at != std::string::npos; at = movie.find("tkhd", at)) {
-    at += 4;
-    const size_t width = at + (reader.number(at, 1) == 1 ? 88 : 76);
-    if (reader.number(width, 4) > 0) return mirrors(at, 40) != mirrors_all;  // not of sound
-  }
-  return false;
 }
 
 }  // namespace vpr

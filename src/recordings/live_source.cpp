@@ -1,5 +1,6 @@
 #include "recordings/live_source.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "base/text.h"
 #include "recordings/decode.h"
 #include "recordings/sequence_source.h"
+#include "recordings/video.h"
 
 namespace vpr {
 
@@ -22,6 +24,20 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMaxDelayMs = 50;  // maximum delay of a stop
+
+bool open_camera(cv::VideoCapture& capture, const fs::path& path) {
+  try {
+    const CodecScope scope(path);
+    if (!capture.open(path.string(), cv::CAP_V4L2)) return false;
+  } catch (const cv::Exception&) {
+    return false;
+  }
+  const auto size = [&](int property) {
+    return static_cast<uint64_t>(std::max(0.0, capture.get(property)));
+  };
+  check_frame_size(path, size(cv::CAP_PROP_FRAME_WIDTH), size(cv::CAP_PROP_FRAME_HEIGHT));
+  return true;
+}
 
 LiveFrame image_of(const fs::path& file) {
   return {file.filename().string(), file, nullptr, false};
@@ -96,7 +112,7 @@ SequenceSource LiveFrame::sequence() const {
 LiveSource open_live_source(const SequenceArgument& argument, Unreadable unreadable) {
   if (is_camera(argument.path)) {
     auto capture = std::make_unique<cv::VideoCapture>();
-    if (!open_capture(*capture, argument.path, cv::CAP_V4L2))
+    if (!open_camera(*capture, argument.path))
       throw Error(ErrorKind::input,
                   "{}: is a device that can't be opened as a camera: it is not a camera, is in "
                   "use, or is not readable",
@@ -105,12 +121,12 @@ LiveSource open_live_source(const SequenceArgument& argument, Unreadable unreada
   }
   const SequenceSource sequence = open_sequence(argument);
   if (sequence.kind == SequenceKind::video) {
-    const auto reader = std::make_shared<VideoReader>(argument, PixelFormat::bgr);
+    const auto reader = std::make_shared<VideoReader>(argument, PixelFormat::bgr, unreadable);
     return {[=](const Monitor& monitor) -> std::optional<LiveFrame> {
       check_stop(monitor);
       IndexedFrame frame;
       if (!reader->next(frame, monitor)) {
-        reader->finish(unreadable, monitor);
+        reader->finish(monitor);
         return std::nullopt;
       }
       const bool is_unreadable = frame.image.empty();

@@ -94,7 +94,7 @@ std::optional<double> stated_rate(const SequenceSource& sequence, const std::fil
                                   std::optional<double> recorded_fps, const Monitor& monitor) {
   const SequenceArgument& argument = sequence.argument;
   if (file.empty() && sequence.kind == SequenceKind::video) {
-    const double fps = VideoReader(argument, PixelFormat::gray).frames_per_second();
+    const double fps = VideoReader(argument, {}, Unreadable::fail).frames_per_second();
     if (!(fps > 0 && fps <= kMaxFps)) return std::nullopt;
     return fps / static_cast<double>(argument.range.step);
   }
