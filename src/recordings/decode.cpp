@@ -145,8 +145,10 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
   try {
     const CodecScope scope(path);
     const int depth = header.is_16_bit ? cv::IMREAD_ANYDEPTH : 0;
-    image = cv::imdecode(
-        bytes, depth | (format == PixelFormat::gray ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR));
+    // A gray image stays gray. Only libjpeg reads gray directly: libpng converts to linear light
+    // first if the file states its gamma.
+    const int gray = file.starts_with(kJpegStart) ? cv::IMREAD_GRAYSCALE : cv::IMREAD_ANYCOLOR;
+    image = cv::imdecode(bytes, depth | (format == PixelFormat::gray ? gray : cv::IMREAD_COLOR));
   } catch (const cv::Exception& error) {
     // Larger than any limit of check_frame_size; OpenCV does not report the size.
     if (error.err.find("CV_IO_MAX_IMAGE") != std::string::npos)

@@ -23,12 +23,14 @@ struct PixelRange {
   double high = 65535;
 };
 
-/// 8 bits per channel, as decoded by OpenCV's IMREAD_GRAYSCALE or IMREAD_COLOR, with EXIF
-/// orientation applied. 16-bit values are scaled by `range` or, without one, by the range of the
-/// image. Throws Error(input), with the file, if it is missing, empty, damaged, or not a JPEG, PNG,
-/// TIFF, BMP, PPM, PGM or WebP image by its first bytes, and for a JPEG that is truncated (OpenCV
-/// itself fills the missing part with gray) or has more than 100 scans; Error(usage) if it is
-/// larger than the limit of megapixels, before memory is allocated for its pixels.
+/// 8 bits per channel, with EXIF orientation applied. Gray values of a color JPEG are its luma, as
+/// libjpeg decodes it; those of other color images are computed from their red, green and blue by
+/// BGR2GRAY, whatever gamma and color space the file states. 16-bit values are scaled by `range`
+/// or, without one, by the range of the image. Throws Error(input), with the file, if it is
+/// missing, empty, damaged, or not a JPEG, PNG, TIFF, BMP, PPM, PGM or WebP image by its first
+/// bytes, and for a JPEG that is truncated (OpenCV itself fills the missing part with gray) or has
+/// more than 100 scans; Error(usage) if it is larger than the limit of megapixels, before memory is
+/// allocated for its pixels.
 cv::Mat decode_image(const std::filesystem::path& path, PixelFormat format,
                      const std::optional<PixelRange>& range = {});
 

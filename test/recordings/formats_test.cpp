@@ -118,6 +118,24 @@ TEST_CASE("16-bit gray and color are scaled by the range of their sequence") {
   CHECK(frames.at(2).at<uint8_t>(0, 0) == 255);  // 27155
 }
 
+TEST_CASE("the gray of a color image is that of its pixels, whatever gamma the file states") {
+  const TemporaryFolder folder;
+  cv::Mat image(8, 8, CV_8UC3);
+  cv::randu(image, 0, 256);
+  cv::Mat gray;
+  cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+  for (const char* name : {"1.png", "1.bmp", "1.ppm", "1.tif"}) cv::imwrite(folder / name, image);
+  std::string png = read_text(folder / "1.png");
+  png.insert(png.find("IDAT") - 4, std::string("\0\0\0\1sRGB\0\xae\xce\x1c\xe9", 13));
+  write_text(folder / "2.png", png);
+  for (const char* name : {"1.png", "1.bmp", "1.ppm", "1.tif", "2.png"}) {
+    INFO(name);
+    const cv::Mat read = decode_image(folder / name, PixelFormat::gray);
+    REQUIRE(read.type() == CV_8UC1);
+    CHECK(cv::countNonZero(read != gray) == 0);
+  }
+}
+
 TEST_CASE("frames named by decimal numbers are ordered by value, and UTM names of rows as bytes") {
   const TemporaryFolder folder;
   SECTION("decimal numbers") {
