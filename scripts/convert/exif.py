@@ -6,7 +6,9 @@
 The CSV has one line per image in the order of the frames, with the columns image, lat, lon and,
 if images have them, heading and time (seconds since 1970). Use it with --ground-truth and
 --query-images photos, and with --query-times for the times. Fields are empty if an image has no
-position: no tags, 0 N 0 E, or a receiver without a fix. Times without a time zone are read as UTC.
+position: no tags, 0 N 0 E, or a receiver without a fix. The time is that of the GPS fix, which is
+UTC, or else that of the camera's clock. A clock without a time zone is corrected by the images with
+both times; without such images, it is read as UTC.
 Needs python3-pil.
 """
 import csv
@@ -14,6 +16,7 @@ import datetime
 import io
 import math
 import re
+import statistics
 import sys
 
 import common
@@ -55,16 +58,35 @@ def position(image, tags):
     return values
 
 
+def time_of_fix(tags):
+    """Seconds since 1970, by the GPS, or None."""
+    try:
+        day = datetime.datetime.strptime(str(tags.get(29, "")).strip("\0 ") + "+0000", "%Y:%m:%d%z")
+    except ValueError:
+        return None
+    hours = degrees(tags.get(7))
+    return None if math.isnan(hours) or tags.get(9) == "V" else day.timestamp() + round(hours * 3600, 3)
+
+
 def time_taken(tags):
-    """Seconds since 1970 as text and whether a time zone is known, or None."""
+    """Seconds since 1970 and whether a time zone is known, by the camera's clock, or None."""
     taken, fraction, zone = (str(tags.get(key, "")).strip("\0 ") for key in (0x9003, 0x9291, 0x9011))
     try:
         time = datetime.datetime.strptime(taken + (zone.replace(":", "") or "+0000"),
                                           "%Y:%m:%d %H:%M:%S%z")
     except ValueError:
         return None
-    digits = "." + fraction if fraction.isdigit() else ""
-    return f"{int(time.timestamp())}{digits}", bool(zone)
+    digits = float("0." + fraction) if fraction.isdigit() else 0
+    return time.timestamp() + digits, bool(zone)
+
+
+def known_times(fixes, clocks):
+    """The times of the images, and how far clocks without a time zone are ahead (None: unknown)."""
+    both = [clock[0] - fix for fix, clock in zip(fixes, clocks) if fix is not None and clock and not clock[1]]
+    ahead = statistics.median_low(both) if both else None
+    times = [fix if fix is not None else clock and clock[0] - (0 if clock[1] else ahead or 0)
+             for fix, clock in zip(fixes, clocks)]
+    return times, ahead
 
 
 def read_tags(image_module, path):
@@ -96,19 +118,26 @@ def frames(folder):
 def convert(arguments):
     image_module = common.need("PIL.Image", "python3-pil")
     folder = arguments.source
-    rows, lacks_zone = [], False
+    rows, fixes, clocks = [], [], []
     for path in frames(folder):
         gps, camera = read_tags(image_module, path)
         place = position(path, gps) or ("", "")
         heading = number(gps.get(17))
-        time = time_taken(camera)
-        lacks_zone = lacks_zone or (time is not None and not time[1])
+        fixes.append(time_of_fix(gps))
+        clocks.append(time_taken(camera))
         rows.append({"image": path.name, "lat": place[0], "lon": place[1],
-                     "heading": heading if 0 <= heading <= 360 else "", "time": time[0] if time else ""})
+                     "heading": heading if 0 <= heading <= 360 else ""})
+    times, ahead = known_times(fixes, clocks)
+    for row, time in zip(rows, times):
+        row["time"] = "" if time is None else f"{time:.6f}".rstrip("0").rstrip(".")
     if all(row["lat"] == "" and row["time"] == "" for row in rows):
         raise common.Refusal(common.DATA, f"{folder}: no image has a GPS position or a time in its "
                                           "EXIF tags")
-    if lacks_zone:
+    lacks_zone = sum(fix is None and clock is not None and not clock[1] for fix, clock in zip(fixes, clocks))
+    if lacks_zone and ahead is not None:
+        print(f"exif.py: {folder}: {lacks_zone} of {len(rows)} images have no GPS time; the clock of their "
+              f"camera is corrected by {-ahead:g} s, as other images state", file=sys.stderr)
+    elif lacks_zone:
         print(f"exif.py: {folder}: times without a time zone are read as UTC; for a camera two "
               "hours ahead, use --offset -7200", file=sys.stderr)
     columns = ["image", "lat", "lon",

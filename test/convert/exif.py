@@ -60,6 +60,24 @@ for more in (("--query-images", photos), ("--query-times", folder / "p.csv")):
 outcome = support.run(support.programs / "vpr-eval", "check", photos, *truth[1:])
 assert outcome.returncode != 0 and "scripts/convert/exif.py" in outcome.stderr, outcome
 
+# The time of the GPS fix comes before the camera's clock, and corrects it for the other images.
+for old in photos.glob("IMG_*"):
+    old.rename(folder / old.name)
+fix = {"_7": angle(12, 0, 150), "_29": "2024:05:01"}
+clock = {0x9003: "2024:05:01 14:00:01"}
+for name, gps, camera in (("1", fix, clock), ("2", {}, {0x9003: "2024:05:01 14:00:09"}), ("3", fix, {}),
+                          ("4", fix, {**clock, 0x9011: "+01:00"}), ("5", {**fix, "_9": "V"}, {}),
+                          ("6", {**fix, "_29": "0000:00:00"}, {})):
+    image(f"IMG_{name}.jpg", place(0, **gps), camera)
+lines, warning = rows()
+assert [line.split(",")[-1] for line in lines[1:]] == ["1714564801.5", "1714564809.5", "1714564801.5",
+                                                       "1714564801.5", "", ""], lines
+assert "1 of 6 images have no GPS time" in warning and "by -7199.5 s" in warning, warning
+for new in photos.glob("IMG_*"):
+    new.unlink()
+for old in folder.glob("IMG_*"):
+    old.rename(photos / old.name)
+
 # Invalid positions.
 for bad in (place(0, _9="V"), place(0, _2=angle(52, 0, 0, 0)), {}, {2: angle(0, 0, 0), 4: angle(0, 0, 0)}):
     image("IMG_10.jpg", bad)
