@@ -98,6 +98,22 @@ bool is_deep(AVPixelFormat format) {
   return pixels->comp[0].depth > (is_gray ? 8 : 15) && (is_gray || is_color);
 }
 
+// For codecs such as VP9, which state a full range in the frame; the pixel format of H.264 does.
+void set_full_range(SwsContext& scaler, AVPixelFormat from) {
+  if ((av_pix_fmt_desc_get(from)->flags & AV_PIX_FMT_FLAG_RGB) != 0) return;
+  int* from_table = nullptr;
+  int* to_table = nullptr;
+  int is_from_full = 0;
+  int is_to_full = 0;
+  std::array<int, 3> adjustments = {};
+  if (sws_getColorspaceDetails(&scaler, &from_table, &is_from_full, &to_table, &is_to_full,
+                               &adjustments[0], &adjustments[1], &adjustments[2]) < 0 ||
+      is_from_full != 0)
+    return;
+  sws_setColorspaceDetails(&scaler, from_table, 1, to_table, is_to_full, adjustments[0],
+                           adjustments[1], adjustments[2]);
+}
+
 }  // namespace
 
 // Decodes a video from its first to its last frame.
@@ -154,6 +170,7 @@ class VideoReader::Decoder {
     scaler_.reset(sws_getCachedContext(scaler_.release(), width, height, from, width, height, to,
                                        SWS_BICUBIC, nullptr, nullptr, nullptr));
     if (!scaler_) return {};
+    if (frame_->color_range == AVCOL_RANGE_JPEG && !is_wide) set_full_range(*scaler_, from);
     constexpr int kBlock = 32;  // vector code writes whole blocks
     cv::Mat rows(height, (width / kBlock + 1) * kBlock,
                  is_wide ? (is_gray ? CV_16UC1 : CV_16UC3) : CV_8UC3);

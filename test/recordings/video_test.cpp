@@ -50,6 +50,7 @@ struct Encoding {
   std::string codec;
   AVPixelFormat pixels = AV_PIX_FMT_YUV420P;
   std::function<void(AVFrame&, size_t)> fill = fill_gray;
+  AVColorRange range = AVCOL_RANGE_UNSPECIFIED;
 };
 
 /// Writes a video with frames at these times, in hundredths of a second; an MP4 video hides those
@@ -65,6 +66,7 @@ void write_coded(const fs::path& path, const Encoding& encoding,
   codec->width = kWidth;
   codec->height = kHeight;
   codec->pix_fmt = encoding.pixels;
+  codec->color_range = encoding.range;
   codec->time_base = {1, 100};
   codec->framerate = {10, 1};
   codec->bit_rate = 8'000'000;
@@ -213,6 +215,21 @@ TEST_CASE("16-bit gray video is scaled by the range of its frames") {
   CHECK(reading.images.at(0).at<uint8_t>(0, 0) == 90);   // 27055, of 155
   CHECK(reading.images.at(1).at<uint8_t>(1, 1) == 82);   // 27050
   CHECK(reading.images.at(2).at<uint8_t>(0, 0) == 255);  // 27155
+}
+
+TEST_CASE("a video of full range has the same gray in every codec") {
+  const std::string codec = GENERATE(as<std::string>(), "libx264", "libx265", "libvpx-vp9", "ffv1");
+  CAPTURE(codec);
+  const TemporaryFolder folder;
+  const fs::path path = folder / "full.mkv";
+  const auto fill = [](AVFrame& picture, size_t) {
+    for (int plane = 0; plane < 3; ++plane)
+      for (int y = 0; y < (plane == 0 ? kHeight : kHeight / 2); ++y)
+        std::fill_n(picture.data[plane] + y * picture.linesize[plane],
+                    plane == 0 ? kWidth : kWidth / 2, static_cast<uint8_t>(plane == 0 ? 60 : 128));
+  };
+  write_coded(path, {codec, AV_PIX_FMT_YUV420P, fill, AVCOL_RANGE_JPEG}, even_times(3));
+  CHECK(std::abs(cv::mean(Reading(path).images.at(1))[0] - 60) < 1.5);
 }
 
 TEST_CASE("a video without times has those of its rate, with a warning") {
