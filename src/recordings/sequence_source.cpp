@@ -101,7 +101,15 @@ void refuse_unread_images(const std::vector<fs::path>& entries) {
 
 bool is_array(const fs::path& path) { return has_extension(path, kArrayExtensions); }
 
-// The lines of a list of images, which need not exist.
+// A path that Windows wrote.
+std::string with_slashes(std::string_view path) {
+  std::string text(path);
+  std::ranges::replace(text, '\\', '/');
+  return text;
+}
+
+// The lines of a list of images, which need not exist. Backslashes separate folders unless a file
+// has them in its name.
 std::vector<std::string> read_list(const fs::path& list) {
   std::vector<std::string> names;
   const std::string file = read_whole_file(list);
@@ -111,7 +119,9 @@ std::vector<std::string> read_list(const fs::path& list) {
     if (line.find('\0') != std::string_view::npos)
       throw Error(ErrorKind::input, "{}: is not a text file with one image path per line",
                   list.string());
-    names.emplace_back(line);
+    const bool is_windows =
+        line.find('\\') != std::string_view::npos && !is_there(list.parent_path() / line);
+    names.push_back(is_windows ? with_slashes(line) : std::string(line));
   }
   if (names.empty()) throw Error(ErrorKind::input, "{}: the list names no images", list.string());
   return names;
@@ -360,6 +370,8 @@ std::optional<size_t> FrameNames::count() const {
 
 std::optional<size_t> FrameNames::find(std::string_view path) const {
   const std::string_view name = file_name(path);
+  if (name.find('\\') != std::string_view::npos && !by_file_name_.contains(name))
+    return find(with_slashes(path));
   const bool is_stem = !by_file_name_.contains(name);
   const auto& names = is_stem ? by_stem_ : by_file_name_;
   const auto found = names.find(name);

@@ -113,7 +113,8 @@ class FrameNames {
   std::optional<size_t> count() const;
   /// The frame with this name: an equal path, or the one with the most equal last components (file
   /// name, folder, ...); if no file name is equal, the only one with this name without its
-  /// extension. Nullopt if there is none, on a tie, or for several paths in one text.
+  /// extension. Backslashes separate folders as slashes do, unless a frame has them in its name.
+  /// Nullopt if there is none, on a tie, or for several paths in one text.
   std::optional<size_t> find(std::string_view path) const;
 
  private:

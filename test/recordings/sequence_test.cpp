@@ -98,6 +98,20 @@ TEST_CASE("a list yields its files in its own order, relative to its folder") {
   CHECK(sequence.files == std::vector<fs::path>{"b/2.png", "a/1.png"});
 }
 
+TEST_CASE("backslashes of Windows separate folders") {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "a/b");
+  write_text(folder / "a/b/1.png", "");
+  write_text(folder / "c\\2.png", "");
+  write_text(folder / "list.txt", "a\\b\\1.png\r\nc\\2.png\r\n");
+  const SequenceSource sequence = open_sequence({folder / "list.txt", {}});
+  CHECK(sequence.files == std::vector<fs::path>{folder / "a/b/1.png", folder / "c\\2.png"});
+  const FrameNames names({"x/1.png", "y/1.png", "c\\2.png"});
+  CHECK(names.find("z\\y\\1.png") == size_t{1});
+  CHECK(names.find("c\\2.png") == size_t{2});
+  CHECK_FALSE(names.find("z\\3.png"));
+}
+
 TEST_CASE("a byte order mark before a list is not part of a name") {
   write_text("list.txt", "\xef\xbb\xbf\x31.png\r\n2.png\r\n");
   write_text("1.png", "");
