@@ -40,6 +40,19 @@ void warn_of_sizes(const SequenceSource& sequence, const std::vector<cv::Size>& 
        other->width, other->height);
 }
 
+// The number of images in subfolders that can be read and are not hidden; 0 for a list.
+size_t images_in_subfolders(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  size_t images = 0;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    if (!entry.is_directory(ignored) || entry.path().filename().string().starts_with('.')) continue;
+    for (const fs::directory_entry& file : fs::directory_iterator(entry.path(), ignored))
+      images += is_frame_name(file.path()) ? 1 : 0;
+  }
+  return images;
+}
+
 // The range of all 16-bit images; nullopt if the first image is of another kind. Images that
 // cannot be decoded are reported later.
 std::optional<PixelRange> find_pixel_range(const SequenceSource& source, const Monitor& monitor) {
@@ -97,6 +110,9 @@ Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unread
     throw Error(ErrorKind::input, "{}: none of its {} can be decoded. The first: {}",
                 source.argument.path.string(), counted(count, "frame"), problems[0]->what());
   sequence.size = {static_cast<uint32_t>(first->width), static_cast<uint32_t>(first->height)};
+  if (const size_t others = images_in_subfolders(source.argument.path))
+    warn(monitor, "{}: {} in its subfolders, which are not searched", source.argument.path.string(),
+         counted(others, "image"));
   warn_of_sizes(source, sizes, first, monitor);
   return sequence;
 }

@@ -250,6 +250,18 @@ TEST_CASE("a stop request ends the pass") {
         }) == ErrorKind::interrupted);
 }
 
+TEST_CASE("a warning counts the images in subfolders, which are not searched") {
+  const TemporaryFolder folder;
+  for (const char* name : {"1.png", "a/2.png", "a/3.png", ".b/4.png"}) {
+    fs::create_directories((folder / name).parent_path());
+    write_image(folder / name, 1);
+  }
+  Warnings warnings;
+  CHECK(read_all({folder.path(), {}}, Unreadable::fail, warnings.monitor).images.size() == 1);
+  REQUIRE(warnings.said.size() == 1);
+  CHECK(has(warnings.said[0], "2 images in its subfolders"));
+}
+
 TEST_CASE("a video is read frame by frame, within its range") {
   const std::string path = "walk.avi";
   std::vector<int> levels;
