@@ -294,8 +294,8 @@ Output::~Output() {
     const std::scoped_lock lock(temporaries().mutex);
     temporaries().paths.erase(temporary_);
   }
+  ::close(descriptor_);  // the removal of a folder needs one itself
   if (!is_placed_) fs::remove_all(temporary_, ignored);
-  ::close(descriptor_);
 }
 
 void Output::check() const {
@@ -455,6 +455,15 @@ bool Outputs::has_outputs() const {
   return std::ranges::any_of(claims_, [](const Claim& claim) { return claim.is_requested; });
 }
 
+// Claimed files that the new outputs lack.
+void Outputs::remove_replaced(const std::vector<Claim>& claims) {
+  for (const auto& [output, is_requested] : claims) {
+    if (is_requested || output->is_folder() || output->existing_ == Existing::refuse) continue;
+    const fs::path& path = output->path();
+    if (has_entry(path) && ::unlink(path.c_str()) != 0) fail_to_write(path, errno);
+  }
+}
+
 void Outputs::commit() {
   std::vector<Output*> outputs;
   for (size_t i = claims_.size(); i-- > 0;)
@@ -469,6 +478,7 @@ void Outputs::commit() {
   std::string placed;
   try {
     for (Output* output : outputs) {
+      if (output == outputs.back()) remove_replaced(claims);
       output->place();
       placed += fmt::format("; {} is new", output->path().string());
     }

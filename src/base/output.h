@@ -91,7 +91,8 @@ class Output {
 
 /// All outputs of one run. Claim them before the long work, which checks that they can be written;
 /// then request them, fill them, and commit at the end. The first claimed output is the main one. A
-/// claimed output that is never requested is not written. Without commit(), nothing changes.
+/// claimed output that is never requested is not written, and commit() removes an old file of its
+/// name, which belongs to the replaced outputs. Without commit(), nothing changes.
 class Outputs {
  public:
   explicit Outputs(Existing existing) : existing_(existing) {}
@@ -142,6 +143,7 @@ class Outputs {
   Claim& claim(const std::filesystem::path& path, FolderCheck is_ours);
   Claim* find(const std::filesystem::path& path);
   void check_protected(const std::filesystem::path& path) const;
+  static void remove_replaced(const std::vector<Claim>& claims);
 
   Existing existing_;
   std::vector<Claim> claims_;

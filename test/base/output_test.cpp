@@ -58,6 +58,25 @@ TEST_CASE("all outputs of a run appear at once, the main one last") {
   CHECK(list_folder("plots") == Names{".vpr-files", "a.png"});
 }
 
+TEST_CASE("a claimed file that a new run lacks is removed with the outputs that it replaces") {
+  write_file("r.json", "old", Existing::refuse);
+  write_file("r.path.npy", "old", Existing::refuse);
+  {
+    Outputs outputs(Existing::replace);
+    outputs.claim_file("r.json");
+    outputs.claim_file("r.path.npy");
+    outputs.commit();  // without any output
+    CHECK(list_folder(".") == Names{"r.json", "r.path.npy"});
+  }
+  Outputs outputs(Existing::replace);
+  outputs.claim_file("r.json");
+  outputs.claim_file("r.path.npy");
+  outputs.file("r.json").write("new");
+  CHECK(read_text("r.path.npy") == "old");
+  outputs.commit();
+  CHECK(list_folder(".") == Names{"r.json"});
+}
+
 TEST_CASE("without a commit, nothing changes") {
   write_text("a", "old");
   {
