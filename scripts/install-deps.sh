@@ -16,7 +16,7 @@ libraries=(
 )
 [[ ${1:-} == --libraries ]] && { echo "${libraries[@]}" catch2; exit 0; }
 packages=(g++ cmake ninja-build pkg-config git "${libraries[@]}")
-[[ ${1:-} == --build ]] || packages+=(catch2 inotify-tools unzip python3-jsonschema python3-numpy python3-scipy python3-h5py python3-pil
+[[ ${1:-} == --build ]] || packages+=(catch2 inotify-tools unzip python3-jsonschema python3-numpy python3-scipy python3-h5py python3-joblib python3-pil
   python3-dev pybind11-dev python3-matplotlib python3-pytest mypy)
 [[ ${1:-} == --check ]] && packages+=(clang-format clang-tidy)
 [[ ${1:-} == --ci ]] && packages+=(chromium python3-pandas snakemake)

@@ -74,10 +74,10 @@ void add_evaluations(py::module_& module) {
   py::class_<Judged, std::shared_ptr<Judged>>(module, "Report")
       .def("text", &Judged::text)
       .def("summary", &Judged::summary)
-      .def("page", page_of)
-      .def("save", save_report)
+      .def("page", page_of, py::call_guard<InCall>())
+      .def("save", save_report, py::call_guard<InCall>())
       .def("curve", points_of);
-  module.def("evaluate", evaluate);
+  module.def("evaluate", evaluate, py::call_guard<InCall>());
 }
 
 }  // namespace vpr

@@ -6,9 +6,12 @@
 #include <condition_variable>
 #include <cstdlib>
 #include <future>
+#include <map>
 #include <mutex>
 #include <new>
-#include <set>
+#include <thread>
+
+#include <unistd.h>
 
 #include "base/error.h"
 #include "base/provenance.h"
@@ -20,35 +23,56 @@ namespace vpr {
 
 namespace {
 
-/// The works that are running.
-struct Works {
+/// The threads that are in a call, and the end of the interpreter. Threads that hold the
+/// interpreter's lock change it.
+struct Callers {
   std::mutex mutex;
-  std::condition_variable end;
-  std::set<std::atomic<bool>*> stops;
+  std::condition_variable left;
+  std::map<std::thread::id, size_t> depths;  ///< calls of a thread, each within the one before
+  std::atomic<bool> is_ended{false};         ///< the interpreter ends
+  std::thread::id last;                      ///< the thread that ends it, which may still call
+  bool lacks_threads = false;                ///< forked during the call of another thread
 
-  void add(std::atomic<bool>& stop) {
-    const std::scoped_lock lock(mutex);
-    stops.insert(&stop);
-  }
-  void remove(std::atomic<bool>& stop) {
-    const std::scoped_lock lock(mutex);
-    stops.erase(&stop);
-    end.notify_all();
-  }
   // Later, a thread could not take the interpreter's lock to return from its call.
-  void stop_all() {
+  void wait_for_others() {
     std::unique_lock lock(mutex);
-    for (std::atomic<bool>* stop : stops) *stop = true;
-    end.wait(lock, [&] { return stops.empty(); });
+    last = std::this_thread::get_id();
+    is_ended = true;
+    left.wait(lock, [&] { return depths.size() == depths.count(last); });
   }
 };
 
-Works& works() {
-  static Works all;
+Callers& callers() {
+  static Callers all;
   return all;
 }
 
 }  // namespace
+
+InCall::InCall() {
+  Callers& all = callers();
+  const std::thread::id own = std::this_thread::get_id();
+  if (all.is_ended && own != all.last && !all.depths.contains(own)) {
+    const py::gil_scoped_release release;
+    for (;;) ::pause();  // as threads that wait for the lock of an ended interpreter
+  }
+  if (all.lacks_threads)
+    throw Error(ErrorKind::usage,
+                "this process was forked while another thread was in a call of vpr. Start "
+                "processes with the method spawn: multiprocessing.get_context(\"spawn\")");
+  if (all.is_ended && own != all.last)
+    throw Error(ErrorKind::interrupted, "interrupted: the interpreter ends");
+  const std::scoped_lock lock(all.mutex);
+  ++all.depths[own];
+}
+
+InCall::~InCall() {
+  Callers& all = callers();
+  const std::scoped_lock lock(all.mutex);
+  const auto found = all.depths.find(std::this_thread::get_id());
+  if (--found->second == 0) all.depths.erase(found);
+  all.left.notify_all();
+}
 
 std::string Call::shown(std::string sentence) const {
   for (size_t at = 0; !folder.empty() && (at = sentence.find(folder, at)) != std::string::npos;)
@@ -81,7 +105,6 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
     const calls::ProcessTurn turn(keywords.process, monitor);
     work(monitor);
   });
-  works().add(stop);
   std::exception_ptr raised;
   for (bool is_finished = false; !is_finished;) {
     Reports latest;
@@ -91,6 +114,7 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
       const std::scoped_lock lock(mutex);
       std::swap(latest, reports);
     }
+    if (callers().is_ended && std::this_thread::get_id() != callers().last) stop = true;
     if (raised) continue;
     try {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -103,13 +127,18 @@ void Call::run(const std::function<void(const Monitor&)>& work) const {
       stop = true;
     }
   }
-  works().remove(stop);
   if (raised) std::rethrow_exception(raised);
   try {
     result.get();
   } catch (const Error& error) {
     throw Error(error.kind(), shown(error.what()));
   }
+}
+
+py::object refuse_new(const py::object& type, const py::args& /*arguments*/,
+                      const py::kwargs& /*more*/) {
+  throw py::type_error(fmt::format("{} objects are made by the functions of vpr, such as load",
+                                   std::string(py::str(type.attr("__name__")))));
 }
 
 void save(const std::function<void()>& write) {
@@ -196,12 +225,13 @@ void add_databases(py::module_& module) {
   using namespace py::literals;
   py::class_<calls::Database, calls::DatabasePointer>(module, "Database",
                                                       "Training sequences, from train or load.")
+      .def_static("__new__", refuse_new)
       .def(
           "save",
           [](const calls::Database& database, const std::filesystem::path& path, bool force) {
             save([&] { calls::save(database, path, force); });
           },
-          "path"_a, "force"_a = false,
+          py::call_guard<InCall>(), "path"_a, "force"_a = false,
           "Writes the folder that vpr-train writes. force: replaces a database.")
       .def_property_readonly("sequences", &calls::Database::names,
                              "Names of the training sequences.")
@@ -209,12 +239,13 @@ void add_databases(py::module_& module) {
           "descriptors", descriptors_of,
           "Stored descriptors, one row per frame of all sequences, as a read-only view: bits (8 "
           "per\nvalue) and images are uint8, vectors int16 or int8. Not for FAB-MAP.");
-  module.def("train", train);
-  module.def("load_database", [](const Call& call, const std::filesystem::path& path) {
+  module.def("train", train, py::call_guard<InCall>());
+  const auto load = [](const Call& call, const std::filesystem::path& path) {
     calls::DatabasePointer database;
     call.run([&](const Monitor&) { database = calls::read_database(path); });
     return database;
-  });
+  };
+  module.def("load_database", load, py::call_guard<InCall>());
 }
 
 void raise(const Error& error) {
@@ -230,6 +261,7 @@ void raise(const Error& error) {
 }  // namespace
 
 PYBIND11_MODULE(_vpr, module) {
+  using namespace py::literals;
   py::options options;
   options.disable_function_signatures();
   // NOLINTNEXTLINE(performance-unnecessary-value-param): the signature that pybind11 needs
@@ -254,11 +286,16 @@ PYBIND11_MODULE(_vpr, module) {
             return Call{{function, *std::move(json)}, progress};
           }))
       .def_readwrite("folder", &Call::folder);
-  module.def("array_of", array_of);
+  module.def("array_of", array_of, py::call_guard<InCall>());
   py::module_::import("atexit").attr("register")(py::cpp_function([] {
     const py::gil_scoped_release release;
-    works().stop_all();
+    callers().wait_for_others();
   }));
+  py::module_::import("os").attr("register_at_fork")("after_in_child"_a = py::cpp_function([] {
+                                                       Callers& all = callers();
+                                                       if (!all.depths.empty())
+                                                         all.lacks_threads = true;
+                                                     }));
   add_databases(module);
   add_queries(module);
   add_evaluations(module);

@@ -21,6 +21,16 @@
 
 namespace vpr {
 
+/// The guard of a function that runs Python or releases the interpreter's lock. Once the
+/// interpreter ends, calls of other threads are stopped, and those that they begin never return.
+/// Throws Error(usage) in a process that was forked while another thread was in a call.
+struct InCall {
+  InCall();
+  ~InCall();
+  InCall(const InCall&) = delete;
+  InCall& operator=(const InCall&) = delete;
+};
+
 /// A call from Python: settings from keyword arguments, and work without the interpreter's lock.
 struct Call {
   calls::Keywords keywords;
@@ -36,6 +46,10 @@ struct Call {
   /// two are raised.
   void run(const std::function<void(const Monitor&)>& work) const;
 };
+
+/// __new__ of a class that only functions make: throws TypeError.
+pybind11::object refuse_new(const pybind11::object& type, const pybind11::args& arguments,
+                            const pybind11::kwargs& more);
 
 /// Runs `write` as the call vpr.save.
 void save(const std::function<void()>& write);

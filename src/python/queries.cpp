@@ -90,7 +90,8 @@ struct Live {
       if (name.empty()) image.name = path->filename().string();
     } else if (const auto& values = std::get<py::object>(frame); !values.is_none()) {
       if (live->has_arrays())
-        image.array = view_of(array_of(values, "frame").attr("reshape")(1, -1), name);
+        image.array = view_of(array_of(values, "frame").attr("reshape")(1, -1),
+                              name.empty() ? "frame" : name);
       else
         image.picture = picture_of(values);
     }
@@ -154,14 +155,16 @@ void add_queries(py::module_& module) {
       "(docs/reference/files.md), with columns as fields: recognitions, recognition_scores, best,\n"
       "best_scores, margins, path, keyframes, new_place, source_frames, train_source_frames.\n"
       "Windows are identified by their first frame; -1 and NaN: no match.")
-      .def("save", save_result, "path"_a, "force"_a = false,
+      .def_static("__new__", refuse_new)
+      .def("save", save_result, py::call_guard<InCall>(), "path"_a, "force"_a = false,
            "Writes the result file of vpr-query and its arrays.")
-      .def_property_readonly(
-          "json",
-          [](const StoredResult& made) {
-            return fields_of(result_json(made.result, made.context));
-          },
-          "The content of the result file, without the checksums of arrays.")
+      .def_property_readonly("json",
+                             py::cpp_function(
+                                 [](const StoredResult& made) {
+                                   return fields_of(result_json(made.result, made.context));
+                                 },
+                                 py::call_guard<InCall>()),
+                             "The content of the result file, without the checksums of arrays.")
       .def("__getattr__", array_named)
       .def("__repr__", [](const StoredResult& made) {
         return fmt::format("<vpr.Result: {} of {} frames of {} recognized; {}>",
@@ -172,22 +175,23 @@ void add_queries(py::module_& module) {
       module, "Distances",
       "Frame distances of a query to all training frames, computed on request: d[i] is the row of\n"
       "query frame i, numpy.asarray(d) the matrix. Values are uint16; smaller is closer.")
+      .def_static("__new__", refuse_new)
       .def("__len__", [](const Distances& self) { return self.shape.first; })
-      .def("__getitem__", &Distances::row)
+      .def("__getitem__", &Distances::row, py::call_guard<InCall>())
       .def(
           "__array__",
           [](const py::object& rows, const py::object& type, const py::object&) -> py::object {
             return py::module_::import("numpy").attr("array")(py::list(rows), type);
           },
-          "dtype"_a = py::none(), "copy"_a = py::none())
+          py::call_guard<InCall>(), "dtype"_a = py::none(), "copy"_a = py::none())
       .def_readonly("shape", &Distances::shape, "Query frames and training frames.");
   py::class_<Live>(module, "Live")
-      .def(py::init<Call, DatabasePointer>())
-      .def("add", &Live::add)
-      .def("finish", &Live::finish);
-  module.def("query", query);
-  module.def("load_result", load);
-  module.def("distances", distances);
+      .def(py::init<Call, DatabasePointer>(), py::call_guard<InCall>())
+      .def("add", &Live::add, py::call_guard<InCall>())
+      .def("finish", &Live::finish, py::call_guard<InCall>());
+  module.def("query", query, py::call_guard<InCall>());
+  module.def("load_result", load, py::call_guard<InCall>());
+  module.def("distances", distances, py::call_guard<InCall>());
 }
 
 }  // namespace vpr

@@ -230,6 +230,8 @@ def test_ground_truths_may_be_arrays(walks):
     assert vpr.evaluate(result, np.column_stack([frames, frames]).astype(float)).counts == aligned
     table = pandas.DataFrame({"y": 1.5 * frames, "x": 0})
     assert vpr.evaluate(result, table, reference=table, radius_m=1).counts == aligned
+    for empty in (np.empty((0, 2)), np.empty((0, 2), int)):
+        assert vpr.evaluate(result, empty).counts.pairs.correct == 0
     unjudged = vpr.evaluate(result)
     assert unjudged.judged == "nothing"
     with pytest.raises(vpr.DataError, match="^ground_truth.csv, line 2: query 200 is out of range"):
@@ -255,6 +257,8 @@ def test_live_frames_have_the_length_of_the_database(walks):
     live = vpr.Live(vpr.train(descriptors=walks / "monday.npy"))
     with pytest.raises(vpr.DataError, match="descriptors of the database have 64 numbers"):
         live.add(np.ones(5))
+    with pytest.raises(vpr.DataError, match="^frame: values of type >f4 are not supported"):
+        live.add(np.ones(64, ">f4"))
     with pytest.raises(vpr.DataError, match="frame: row 0 is missing"):
         live.add(np.full(64, np.nan))
 
@@ -304,6 +308,23 @@ def test_live_descriptors_are_matched_as_in_a_query(walks):
     assert live.add(None)["readable"] is False
 
 
+def test_names_may_have_bytes_that_are_not_text(walks):
+    rows = np.load(walks / "monday.npy")
+    db = vpr.train(descriptors={"a\udcff": rows})
+    assert db.sequences == ["a%FF"]
+    assert vpr.query(db, descriptors=rows, name="b\udc80").json.query.name == "b%80"
+    assert vpr.Live(db).add(rows[0], name="c\udcff").name == "c%FF"
+    with pytest.raises(vpr.UsageError, match="is not valid text"):
+        vpr.query(db, descriptors=rows, name="\ud800")
+
+
+@pytest.mark.parametrize("kind", [vpr.Database, vpr.Result, vpr.Distances])
+def test_objects_are_made_by_functions_only(kind):
+    for make in (kind, lambda: kind.__new__(kind)):
+        with pytest.raises(TypeError, match=f"^{kind.__name__} objects are made by"):
+            make()
+
+
 def masked():
     return np.ma.masked_greater(np.eye(64), 0)
 
@@ -320,6 +341,7 @@ def masked():
     (lambda db, walks: vpr.train(descriptors=np.eye(64), descriptor="hog"), "UsageError"),
     (lambda db, walks: vpr.train(descriptors=np.eye(64, dtype=np.uint8), metric="cosine"), "UsageError"),
     (lambda db, walks: vpr.Live(db).add(""), "UsageError"),
+    (lambda db, walks: vpr.evaluate(vpr.query(db, descriptors=walks / "tuesday.npy"), ""), "UsageError"),
     (lambda db, walks: vpr.evaluate_scores(np.eye(9), "aligned", train_frames=20), "UsageError"),
     (lambda db, walks: vpr.query(db, "x", descriptors=np.eye(64)), "UsageError"),
     (lambda db, walks: vpr.query(db, descriptors=np.eye(64), c_l=5, t_r=np.nan), "UsageError"),

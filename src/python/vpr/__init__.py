@@ -15,11 +15,22 @@ subclasses of Error.
 from __future__ import annotations
 
 import html as _html
+import importlib as _importlib
 import json as _json
 import os
+import re
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Optional, Union
+
+for _name in ("_interpreters", "_xxsubinterpreters"):  # of Python 3.13, and before
+    try:
+        _interpreters = _importlib.import_module(_name)
+    except ImportError:
+        continue
+    if _interpreters.get_current() != _interpreters.get_main():  # its state is that of the process
+        raise ImportError("vpr does not run in a sub-interpreter. Use a process")
+    break
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -96,6 +107,14 @@ def _call(function: str, settings: Mapping[str, object], progress: Progress = No
         raise UsageError(f"vpr.{function}: a setting is not a finite number") from None
 
 
+def _text(name: str) -> str:
+    """Bytes of a file name that are not UTF-8 as %XX, as the programs name sequences."""
+    name = re.sub("[\udc80-\udcff]", lambda byte: f"%{ord(byte[0]) - 0xdc00:02X}", name)
+    if any("\ud800" <= letter <= "\udfff" for letter in name):
+        raise UsageError(f"the name {name!r} is not valid text")
+    return name
+
+
 def _opened(value: Any, kind: type) -> Any:
     if not isinstance(value, kind):
         raise TypeError(f"expected a vpr.{kind.__name__}, as from vpr.load, found {value!r:.60}")
@@ -105,7 +124,7 @@ def _opened(value: Any, kind: type) -> Any:
 def _sources(value: Any) -> list[tuple[str, Any]]:
     """The names, as far as there are any, and sources of one sequence, a list or a mapping."""
     if isinstance(value, Mapping):
-        return [(str(name), item) for name, item in value.items()] or [("", None)]
+        return [(_text(str(name)), item) for name, item in value.items()] or [("", None)]
     many = value if isinstance(value, (list, tuple)) else [value]
     return [("", item) for item in many] or [("", None)]
 
@@ -172,7 +191,7 @@ class Live:
         if hasattr(frame, "getbands"):
             raise UsageError("a PIL image has red first. Pass "
                              "numpy.asarray(image.convert('RGB'))[:, :, ::-1]")
-        return self._live.add(frame, name)
+        return self._live.add(frame, _text(name))
 
     def finish(self) -> Optional[Fields]:
         """The decisions of the filter that the end of the query settles; None without any."""
@@ -220,7 +239,7 @@ def query(db: Database, images: Optional[Path] = None, *, descriptors: Source = 
     >>> result.best[7].item(), len(result.recognitions)
     ((7, 0, 7), 196)
     """
-    return _vpr.query(_call("query", settings, progress), _opened(db, Database), name,
+    return _vpr.query(_call("query", settings, progress), _opened(db, Database), _text(name),
                       _frames(images, descriptors), False)
 
 
@@ -239,13 +258,15 @@ def loops(images: Optional[Path] = None, *, descriptors: Source = None,
     (395, 0, 195)
     """
     opened = None if db is None else _opened(db, Database)
-    return _vpr.query(_call("loops", settings, progress), opened, name,
+    return _vpr.query(_call("loops", settings, progress), opened, _text(name),
                       _frames(images, descriptors), True)
 
 
 def _evaluate(function: str, result: Optional[Result], scores: Source, truth: Source,
               settings: dict[str, Any], progress: Progress) -> Report:
     """Arrays become files, so that the readers of ground truths check them."""
+    if isinstance(truth, str) and not truth:
+        raise UsageError(f"vpr.{function}: ground_truth is empty. Omit it")
     files: dict[str, Any] = {"ground_truth": truth, "reference": settings.get("reference")}
     has_positions = files["reference"] is not None
     with tempfile.TemporaryDirectory() as folder:
@@ -264,7 +285,7 @@ def _evaluate(function: str, result: Optional[Result], scores: Source, truth: So
             array = _vpr.array_of(value, name)
             has_pairs = not has_positions and array.shape[1:] == (2,)
             if has_pairs and array.dtype.kind == "f" and (array == array.round()).all() and (
-                    array.max() > 1):  # or labels of two training frames
+                    array.max(initial=2 if array.size == 0 else 0) > 1):  # or labels of two training frames
                 array = array.astype(np.int64)
             columns = ["query", "reference"]
             if has_positions:
