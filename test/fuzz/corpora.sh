@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs every fuzz target once on the inputs of its corpus, so that targets still build and fixed bugs
-# stay fixed.
+# stay fixed. Then the targets with checksums read mutants.
 #   corpora.sh PROGRAMS
 set -euo pipefail
 cd "$(dirname "$0")/corpus"
@@ -10,6 +10,13 @@ for name in *; do
   if ! "$1/fuzz_$name" "$name" 2>"$log"; then
     tail -n 5 "$log" >&2
     echo "corpora: fuzz_$name failed at the last input named above" >&2
+    exit 1
+  fi
+done
+for name in database ground_truth report result; do
+  if ! "$1/fuzz_$name" --mutants 0:500 "$name" 2>"$log"; then
+    tail -n 5 "$log" >&2
+    echo "corpora: fuzz_$name --mutants failed at the last number above" >&2
     exit 1
   fi
 done
