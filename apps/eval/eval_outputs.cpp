@@ -189,9 +189,22 @@ std::string name_of(const std::vector<std::string>& names, size_t frame) {
   return names[frame];
 }
 
+constexpr std::string_view kChanged =
+    "the images of the run have moved or changed. Pass them with --query and --train, or --dataset";
+
+bool has_all_frames(const FrameSources& sources, bool has_references) {
+  const auto is_found = [](const auto& source) { return source.has_value(); };
+  return sources.query && (!has_references || std::ranges::all_of(sources.references, is_found));
+}
+
 std::string html_text(const EvalRun& run, const Evaluated& evaluated) {
+  const FrameSources sources = find_frames(run.flags, evaluated);
+  const RunInfo made = evaluated.stored ? evaluated.stored->context.run : RunInfo{};
+  const bool has_references = !made.path("database").empty() && !evaluated.report.has_places();
+  if (made.frame_names.contains("query") && !has_all_frames(sources, has_references))
+    warn(run.session.monitor, "the page lacks images: {}", kChanged);
   return evaluation_page(evaluated.evaluation, evaluated.report, run.session.run, run.summary,
-                         find_frames(run.flags, evaluated), run.session.monitor);
+                         sources, run.session.monitor);
 }
 
 void draw_plots(const EvalRun& run, const Evaluated& evaluated, const fs::path& folder) {
@@ -200,12 +213,8 @@ void draw_plots(const EvalRun& run, const Evaluated& evaluated, const fs::path& 
 
 std::string questions_text(const EvalRun& run, const Evaluated& evaluated,
                            decltype(place_questions_page)& page_of) {
-  const auto is_found = [](const auto& source) { return source.has_value(); };
   const FrameSources sources = find_frames(run.flags, evaluated);
-  if (!sources.query || !std::ranges::all_of(sources.references, is_found))
-    throw Error(ErrorKind::usage,
-                "the images of the run have moved or changed. Pass them with --query and --train, "
-                "or --dataset");
+  if (!has_all_frames(sources, true)) throw Error(ErrorKind::usage, "{}", kChanged);
   return page_of(evaluated.evaluation, evaluated.report, sources, run.session.monitor);
 }
 

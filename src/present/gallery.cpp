@@ -84,17 +84,39 @@ bool has_names(const SequenceSource& source, const Sequence& expected) {
   return names == expected.frame_names;
 }
 
-// The training sequences of the run's database; none if it has moved or changed.
-std::vector<TrainSequence> recorded_training(const ResultContext& context) {
-  if (context.train) return *context.train;
-  const std::string path = context.run.path("database");
-  if (path.empty()) return {};
+// The run's database; without sequences if it has moved or changed, and without descriptors if it
+// was in memory.
+SequenceDatabase recorded_training(const ResultContext& context) {
+  SequenceDatabase database;
+  if (context.train) database.sequences = *context.train;
+  const std::string path = context.train ? "" : context.run.path("database");
+  if (path.empty()) return database;
   try {
-    SequenceDatabase database = read_sequence_database(path);
-    if (database.fingerprint == context.database_fingerprint) return std::move(database.sequences);
+    database = read_sequence_database(path);
+    if (database.fingerprint == context.database_fingerprint) return database;
   } catch (const Error&) {  // it has moved
   }
   return {};
+}
+
+// Whether some images have the stored descriptors of frames first, first + 1, ... of a database.
+// Frames of videos, and of a database in memory, are not compared.
+bool has_descriptors(const SequenceSource& source, const TrainSequence& train,
+                     const SequenceDatabase& database, size_t first) {
+  constexpr size_t kCompared = 8;
+  const DescriptorRows rows = database.descriptors.rows();
+  const size_t frames = train.sequence.frames;
+  if (source.kind != SequenceKind::images || rows.size() < first + frames) return true;
+  for (size_t i = 0; i < std::min(kCompared, frames); ++i) {
+    const size_t frame = i * frames / std::min(kCompared, frames);
+    if (std::ranges::binary_search(train.sequence.unreadable, frame)) continue;
+    SequenceSource one = source;
+    one.files = {source.files.at(train.sequence.selection.source_of(frame))};
+    const DescriptorSet found =
+        database.descriptors.kind->describe(one, database.descriptor, Unreadable::fail, {});
+    if (!std::ranges::equal(found.rows()[0], rows[first + frame])) return false;
+  }
+  return true;
 }
 
 ShownFrames frames_of(const std::vector<GalleryItem>& items, const Judgment& judgment,
@@ -240,15 +262,21 @@ FrameSources recorded_frames(const GroundTruthScope& scope, const StoredResult* 
   if (stored == nullptr) return sources;
   const ResultContext& context = stored->context;
   sources.query = recorded_source(context.run.path("query"), [&](const SequenceSource& source) {
-    const auto names = context.run.frame_names.find("query");
-    return names_checksum(source) == (names == context.run.frame_names.end() ? "" : names->second);
+    const auto images = context.run.frame_names.find("query");
+    const std::string sum = images == context.run.frame_names.end() ? "" : images->second;
+    // of names in the results of earlier versions
+    return images_checksum(source) == sum || names_checksum(source) == sum;
   });
   if (stored->result.places) return sources;
-  const std::vector<TrainSequence> trained = recorded_training(context);
-  for (size_t s = 0; s < std::min(scope.sequences.size(), trained.size()); ++s)
-    sources.references[s] = recorded_source(trained[s].path, [&](const SequenceSource& source) {
-      return has_names(source, trained[s].sequence);
+  const SequenceDatabase database = recorded_training(context);
+  size_t first = 0;
+  for (size_t s = 0; s < std::min(scope.sequences.size(), database.sequences.size()); ++s) {
+    const TrainSequence& train = database.sequences[s];
+    sources.references[s] = recorded_source(train.path, [&](const SequenceSource& source) {
+      return has_names(source, train.sequence) && has_descriptors(source, train, database, first);
     });
+    first += train.sequence.frames;
+  }
   return sources;
 }
 

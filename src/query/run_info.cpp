@@ -50,8 +50,8 @@ std::string RunInfo::path(const std::string& role) const {
 void set_query_path(RunInfo& run, const SequenceArgument& query) {
   if (query.array) return;
   run.paths["query"] = argument_text(query);
-  const std::string names = names_checksum(open_sequence({query.path, query.range}));
-  if (!names.empty()) run.frame_names["query"] = names;
+  const std::string images = images_checksum(open_sequence({query.path, query.range}));
+  if (!images.empty()) run.frame_names["query"] = images;
 }
 
 Provenance provenance_of(const RunInfo& run) {

@@ -1,7 +1,9 @@
 #include "recordings/sequence_source.h"
 
 #include <algorithm>
+#include <fstream>
 #include <set>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -354,6 +356,28 @@ std::vector<std::string> file_names(const SequenceSource& source) {
 std::string names_checksum(const SequenceSource& source) {
   const std::vector<std::string> names = file_names(source);
   return names.empty() ? "" : checksum(fmt::format("{}", fmt::join(names, "\n")));
+}
+
+std::string images_checksum(const SequenceSource& source) {
+  constexpr size_t kReadFiles = 16;
+  constexpr size_t kReadBytes = 1 << 20;  // per file
+  if (source.kind == SequenceKind::descriptors) return "";
+  const std::vector<fs::path> video = {source.argument.path};
+  const auto& files = source.kind == SequenceKind::video ? video : source.files;
+  ChecksumStream sum;
+  std::error_code ignored;
+  std::string sizes;
+  for (const fs::path& file : files)
+    sizes += fmt::format("{}\n{}\n", file.filename().string(), fs::file_size(file, ignored));
+  sum.add(std::as_bytes(std::span(sizes)));
+  const size_t count = std::min(kReadFiles, files.size());
+  std::string bytes(kReadBytes, '\0');
+  for (size_t i = 0; i < count; ++i) {
+    std::ifstream input(files[i * files.size() / count], std::ios::binary);
+    input.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    sum.add(std::as_bytes(std::span(bytes.data(), static_cast<size_t>(input.gcount()))));
+  }
+  return sum.text();
 }
 
 FrameNames::FrameNames(std::vector<std::string> names) : names_(std::move(names)) {

@@ -103,6 +103,9 @@ std::vector<std::string> frame_names(const SequenceArgument& argument);
 std::vector<std::string> file_names(const SequenceSource& source);
 /// Their checksum; empty without names.
 std::string names_checksum(const SequenceSource& source);
+/// The checksum of the names and sizes of the files of images or of a video, and of the content of
+/// at most 16 of them, which are evenly spaced; empty for descriptors.
+std::string images_checksum(const SequenceSource& source);
 
 /// Finds frames by partial paths.
 class FrameNames {

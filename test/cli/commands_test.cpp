@@ -250,6 +250,38 @@ TEST_CASE("answers to places judge a result, and only this one") {
   check_failure(eval("r.json", ""), 4, "p.csv");
 }
 
+TEST_CASE("images that were replaced under the same names are neither asked about nor shown") {
+  for (const std::string side : {"query", "train"}) {
+    INFO(side);
+    for (const std::string folder : {"query", "train"}) {
+      fs::remove_all(folder);
+      fs::copy(world().walk("back"), folder, fs::copy_options::recursive);
+    }
+    run_ok("vpr-train fastable --train train -o t.vprdb --force --quiet");
+    run_ok("vpr-query t.vprdb --query query -o r.json --force --quiet");
+    const Words names = images_of(side);
+    ok(run("vpr-eval r.json --ask-frames q.html --force"));
+    const auto same = ok(run("vpr-eval r.json --html page.html --force"));
+    CHECK_FALSE(has(same.err, "have moved or changed"));
+    for (size_t i = 0; i < names.size(); ++i)  // the same images in reverse order
+      fs::copy_file(fs::path(world().walk("back")) / names[names.size() - 1 - i],
+                    fs::path(side) / names[i], fs::copy_options::overwrite_existing);
+    check_failure(run("vpr-eval r.json --ask-frames q.html --force"), 2, "have moved or changed");
+    check_failure(run("vpr-eval r.json --ask-places q.html --force"), 2, "have moved or changed");
+    const auto page = ok(run("vpr-eval r.json --html page.html --force"));
+    CHECK(has(page.err, "the page lacks images: the images of the run have moved or changed"));
+    ok(run("vpr-eval r.json --ask-frames q.html --force --query query --train train"));
+  }
+}
+
+TEST_CASE("a result that replaces one of another method leaves no array of it") {
+  run_ok("vpr-query $db --query $back --method filter -o r.json");
+  CHECK(fs::exists("r.path.npy"));
+  run_ok("vpr-query $db --query $back --c-l 5 --score zscore --decide margin -o r.json --force");
+  CHECK_FALSE(fs::exists("r.path.npy"));
+  run_ok("vpr-eval r.json");
+}
+
 TEST_CASE("a map shows one or two results of the same query, as SVG and PNG") {
   for (const std::string name : {"a", "b"}) run_ok(kQuery + "-o " + name + ".json");
   const auto eval = [&](const std::string& more) { return run("vpr-eval a.json " + more); };
