@@ -134,11 +134,14 @@ LiveSource open_live_source(const SequenceArgument& argument, Unreadable unreada
                        std::make_shared<const cv::Mat>(std::move(frame.image)), is_unreadable};
     }};
   }
-  return {[files = sequence.files,
+  std::error_code ignored;
+  return {[files = sequence.files, is_folder = fs::is_directory(argument.path, ignored),
            index = size_t{0}](const Monitor& monitor) mutable -> std::optional<LiveFrame> {
     check_stop(monitor);
     if (index == files.size()) return std::nullopt;
-    return image_of(files[index++]);
+    LiveFrame frame = image_of(files[index++]);
+    frame.may_be_gone = is_folder;
+    return frame;
   }};
 }
 

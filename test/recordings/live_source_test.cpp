@@ -145,6 +145,7 @@ TEST_CASE("a folder is read to its end") {
         std::vector<std::string>{"9.png", "10.png"});
   CHECK(names_of(open_live_source({folder.path(), {1, std::nullopt}}, Unreadable::fail), 9) ==
         std::vector<std::string>{"10.png"});
+  CHECK(open_live_source({folder.path(), {}}, Unreadable::fail).next({})->may_be_gone);
 }
 
 TEST_CASE("a pipe has the images of its lines, and one warning for other names") {
