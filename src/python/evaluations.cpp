@@ -1,4 +1,7 @@
 // Evaluations of results and of score matrices, with their reports.
+#include "base/error.h"
+#include "evaluate/exports.h"
+#include "present/comparison_report.h"
 #include "present/evaluation_page.h"
 #include "python/module.h"
 
@@ -50,6 +53,67 @@ py::array points_of(const Judged& judged) {
   return py::array_t<double>({best.points.size(), size_t{3}}, rows.data());
 }
 
+// A row of CSV per query frame.
+std::string frames_of(const Judged& judged) {
+  const Evaluation& evaluation = judged.evaluation;
+  return kOutcomesHeader +
+         outcomes_csv(evaluation.judgment, judged.report.row_name, evaluation.query().name);
+}
+
+/// Reports side by side, as vpr-eval compare.
+struct Compared {
+  ComparisonReport comparison;
+
+  std::string text() const { return to_text(comparison_json(comparison)); }
+  std::string table() const { return comparison_text(comparison); }
+  std::string page() const { return comparison_page(comparison); }
+  std::string latex() const { return comparison_tables(comparison, TableFormat::latex); }
+};
+
+// `texts`: report files, named `names`.
+std::shared_ptr<Compared> compare(Call& call, const std::vector<std::string>& texts,
+                                  const std::vector<std::string>& names) {
+  constexpr size_t kMinBlock = 10;
+  constexpr size_t kResamples = 2000;
+  const auto made = std::make_shared<Compared>();
+  call.run([&](const Monitor& monitor) {
+    ComparisonReport& all = made->comparison;
+    ComparisonSettings& settings = all.settings;
+    settings = {0, kResamples, call.keywords.process.seed};
+    NestedObject own{[&](auto&& visit) {
+      visit("block", settings.block);
+      visit("common", settings.only_common);
+      visit("allow_different", settings.omit_disputed);
+    }};
+    call.keywords.read(own);
+    if (texts.size() < 2) throw Error(ErrorKind::usage, "a comparison needs two or more reports");
+    for (size_t r = 0; r < texts.size(); ++r) {
+      const std::optional<Json> json = parse_json(texts[r]);
+      all.reports.push_back(parse_report(json ? *json : Json(), names[r]));
+    }
+    name_rows(all.reports, names);
+    const GroundTruths truths = compare_ground_truths(all.reports);
+    if (truths == GroundTruths::different && !settings.omit_disputed)
+      throw Error(ErrorKind::data,
+                  "the reports have different ground truths. Evaluate all results with one of "
+                  "them, or pass allow_different=True");
+    settings.omit_disputed |= truths == GroundTruths::of_places_and_frames;
+    if (settings.block == 0) {
+      settings.block = kMinBlock;
+      for (const Report& report : all.reports)
+        settings.block = std::max(settings.block, report.frames.outcomes.window_length);
+    }
+    compare_reports(all, monitor);
+    all.made_by =
+        provenance_of(run_of("vpr-eval", {call.keywords.function}, call.keywords.process.seed));
+  });
+  return made;
+}
+
+void save_text(const std::string& text, const std::filesystem::path& path, bool force) {
+  save([&] { calls::save(force, {}, [&](Outputs& outputs) { outputs.file(path).write(text); }); });
+}
+
 // Judges a result or, if it is null, scores. `truth`: nullopt for none.
 std::shared_ptr<Judged> evaluate(Call& call, const std::shared_ptr<const StoredResult>& result,
                                  const Source& scores,
@@ -76,7 +140,15 @@ void add_evaluations(py::module_& module) {
       .def("summary", &Judged::summary)
       .def("page", page_of, py::call_guard<InCall>())
       .def("save", save_report, py::call_guard<InCall>())
+      .def("frames", frames_of)
       .def("curve", points_of);
+  py::class_<Compared, std::shared_ptr<Compared>>(module, "Compared")
+      .def("text", &Compared::text)
+      .def("table", &Compared::table)
+      .def("page", &Compared::page, py::call_guard<InCall>())
+      .def("latex", &Compared::latex);
+  module.def("compare", compare, py::call_guard<InCall>());
+  module.def("save_text", save_text, py::call_guard<InCall>());
   module.def("evaluate", evaluate, py::call_guard<InCall>());
 }
 

@@ -11,11 +11,14 @@
 #include <new>
 #include <thread>
 
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include "base/error.h"
 #include "base/provenance.h"
 #include "base/simd.h"
+#include "base/text.h"
+#include "present/database_report.h"
 
 namespace py = pybind11;
 
@@ -223,6 +226,20 @@ py::array descriptors_of(const calls::DatabasePointer& database) {
 
 void add_databases(py::module_& module) {
   using namespace py::literals;
+  const auto described = [](const calls::Database& database) {
+    const std::string names = fmt::format("{}", fmt::join(database.names(), ", "));
+    const auto* sequences = std::get_if<SequenceDatabase>(&database.content);
+    if (sequences == nullptr) return "FAB-MAP, places " + names;
+    return fmt::format("{} of {}, {}", counted(sequences->descriptors.rows().size(), "frame"),
+                       names, sequences->descriptors.kind->name);
+  };
+  const auto shown = [](const calls::Database& database) {
+    const auto* sequences = std::get_if<SequenceDatabase>(&database.content);
+    const std::string text = sequences == nullptr
+                                 ? fmt::format("{}", fmt::join(database.names(), "\n"))
+                                 : database_text(*sequences, "Database");
+    return "<pre>" + html_escaped(text) + "</pre>";
+  };
   py::class_<calls::Database, calls::DatabasePointer>(module, "Database",
                                                       "Training sequences, from train or load.")
       .def_static("__new__", refuse_new)
@@ -233,6 +250,11 @@ void add_databases(py::module_& module) {
           },
           py::call_guard<InCall>(), "path"_a, "force"_a = false,
           "Writes the folder that vpr-train writes. force: replaces a database.")
+      .def("__repr__",
+           [described](const calls::Database& database) {
+             return "<vpr.Database: " + described(database) + ">";
+           })
+      .def("_repr_html_", shown)
       .def_property_readonly("sequences", &calls::Database::names,
                              "Names of the training sequences.")
       .def_property_readonly(

@@ -2,6 +2,7 @@
 #include <opencv2/core.hpp>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "present/result_text.h"
 #include "python/module.h"
 
@@ -37,6 +38,37 @@ ResultPointer load(const Call& call, const std::filesystem::path& path) {
 
 void save_result(const StoredResult& result, const std::filesystem::path& path, bool force) {
   save([&] { calls::save(result, path, force); });
+}
+
+// Writes a result as its file and arrays, also one that was read. Returns whether it was.
+bool write_files(const StoredResult& result, const std::filesystem::path& path) {
+  Call{{"vpr.Result", Json::object()}}.run([&](const Monitor&) {
+    Outputs outputs(Existing::refuse);
+    claim_result(path, outputs);
+    write_result(path, result.result, result.context, outputs);
+    outputs.commit();
+  });
+  return !result.fingerprint.empty();
+}
+
+// A result from write_files. `was_read`: it returned.
+ResultPointer read_files(const Call& call, const std::filesystem::path& path, bool was_read) {
+  const ResultPointer result = load(call, path);
+  if (!was_read) result->fingerprint.clear();
+  return result;
+}
+
+std::string headline(const StoredResult& made) {
+  return fmt::format("{} of {} frames of {} recognized; {}", recognized_windows(made.result),
+                     made.result.query.frames, made.result.query.name, settings_text(made.result));
+}
+
+// The headline and the longest ranges, for notebooks.
+std::string shown(const StoredResult& made) {
+  constexpr size_t kMostRanges = 10;
+  const std::string ranges =
+      ranges_text(made.result, recognized_ranges(made.result), kMostRanges, "range");
+  return "<pre>" + html_escaped(headline(made) + "\n" + ranges) + "</pre>";
 }
 
 // A copy, with columns as fields.
@@ -166,11 +198,13 @@ void add_queries(py::module_& module) {
                                  py::call_guard<InCall>()),
                              "The content of the result file, without the checksums of arrays.")
       .def("__getattr__", array_named)
-      .def("__repr__", [](const StoredResult& made) {
-        return fmt::format("<vpr.Result: {} of {} frames of {} recognized; {}>",
-                           recognized_windows(made.result), made.result.query.frames,
-                           made.result.query.name, settings_text(made.result));
-      });
+      .def("__reduce__",
+           [](const py::object& result) {
+             return py::module_::import("vpr").attr("_pickled")(result);
+           })
+      .def("_repr_html_", shown)
+      .def("__repr__",
+           [](const StoredResult& made) { return "<vpr.Result: " + headline(made) + ">"; });
   py::class_<Distances, std::shared_ptr<Distances>>(
       module, "Distances",
       "Frame distances of a query to all training frames, computed on request: d[i] is the row of\n"
@@ -191,6 +225,8 @@ void add_queries(py::module_& module) {
       .def("finish", &Live::finish, py::call_guard<InCall>());
   module.def("query", query, py::call_guard<InCall>());
   module.def("load_result", load, py::call_guard<InCall>());
+  module.def("write_result", write_files, py::call_guard<InCall>());
+  module.def("read_result", read_files, py::call_guard<InCall>());
   module.def("distances", distances, py::call_guard<InCall>());
 }
 

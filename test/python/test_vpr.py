@@ -3,6 +3,7 @@
 import html
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -458,3 +459,82 @@ def test_warnings_are_those_of_the_programs(walks):
     db = vpr.train(descriptors=walks / "monday.npy")
     with pytest.warns(UserWarning, match="the same frames as the training sequence"):
         vpr.query(db, descriptors=walks / "monday.npy")
+
+
+def test_reports_have_a_table_of_frames(run, walks, tmp_path):
+    result = matched(walks)
+    report = vpr.evaluate(result, "aligned", tolerance=3)
+    frames = report.frames()
+    assert len(frames) == 200 and frames["frame"].tolist() == list(range(200))
+    assert (frames["outcome"] == "correct").sum() == report.best_match.correct
+    assert frames[0]["train_frame"] == -1 and np.isnan(frames[0]["score"])
+    assert frames[7]["sequence"] == "monday" and frames[7]["train_frame"] == 7
+    result.save(tmp_path / "r.json")
+    run("vpr-eval", tmp_path / "r.json", "--ground-truth", "aligned", "--tolerance", 3,
+        "--outcomes-csv", tmp_path / "o.csv", folder=walks)
+    pandas = pytest.importorskip("pandas")
+    table, program = pandas.DataFrame(frames), pandas.read_csv(tmp_path / "o.csv")
+    for column in ("train_frame", "rank"):
+        assert table[column].tolist() == program[column].fillna(-1).tolist()
+    assert table["outcome"].tolist() == program["outcome"].tolist()
+
+
+@pytest.mark.parametrize("saved", [False, True])
+def test_results_and_reports_are_pickled(walks, tmp_path, saved):
+    result = matched(walks)
+    if saved:
+        result.save(tmp_path / "r.json")
+        result = vpr.load(tmp_path / "r.json")
+    copy = pickle.loads(pickle.dumps(result))
+    for name in ("recognitions", "best", "best_scores"):
+        assert np.array_equal(getattr(copy, name), getattr(result, name))
+    assert copy.json.settings == result.json.settings and repr(copy) == repr(result)
+    report = vpr.evaluate(result, "aligned", tolerance=3)
+    assert vpr.evaluate(copy, "aligned", tolerance=3).json.metrics == report.json.metrics
+    if not saved:
+        copy.save(tmp_path / "copy.json")
+    other = pickle.loads(pickle.dumps(report))
+    assert other == report and other.summary == report.summary
+    assert np.array_equal(other.curve, report.curve) and np.array_equal(
+        other.frames()["outcome"], report.frames()["outcome"])
+    assert report.summary in html.unescape(other._repr_html_())
+    report.save(tmp_path / "one.json")
+    other.save(tmp_path / "other.json")
+    assert written(tmp_path / "one.json") == written(tmp_path / "other.json")
+    with pytest.raises(vpr.UsageError, match="has no images"):
+        other.html(tmp_path / "page.html")
+
+
+def test_databases_and_results_show_themselves(walks):
+    db = vpr.train([walks / "monday", walks / "other"])
+    assert repr(db) == "<vpr.Database: 120 frames of monday, other, ldb+hog>"
+    assert "monday" in db._repr_html_() and db._repr_html_().startswith("<pre>")
+    result = vpr.query(db, walks / "tuesday")
+    assert "of 60 frames of tuesday recognized" in repr(result)
+    assert "= monday" in result._repr_html_()
+    places = vpr.train(walks / "monday", pretrain=walks / "other", features="orb", words=50)
+    assert repr(places).startswith("<vpr.Database: FAB-MAP, places ")
+
+
+def test_reports_are_compared_as_by_the_program(run, walks, tmp_path):
+    reports = {}
+    for name, by in {"a": {}, "b": {"c_l": 5, "t_r": 0.5}}.items():
+        db = vpr.train(descriptors=walks / "monday.npy", c_l=5)
+        reports[name] = vpr.evaluate(vpr.query(db, descriptors=walks / "tuesday.npy", **by), "aligned")
+        reports[name].save(tmp_path / f"{name}.json")
+    found = vpr.compare(reports)
+    found.save(tmp_path / "p.json")
+    found.html(tmp_path / "p.html")
+    table = run("vpr-eval", "compare", "a.json", "b.json", "-o", "c.json", "--name", "a", "--name", "b",
+                folder=tmp_path).stdout
+    assert str(found).strip() == table.strip()
+    program, own = written(tmp_path / "c.json"), written(tmp_path / "p.json")
+    assert own == program
+    assert "tabular" in found.latex and "<html" in (tmp_path / "p.html").read_text()
+    paths = vpr.compare([tmp_path / "a.json", pickle.loads(pickle.dumps(reports["b"]))])
+    assert [one.difference for one in paths.metrics] == [one.difference for one in found.metrics]
+    with pytest.raises(vpr.UsageError, match="two or more"):
+        vpr.compare([reports["a"]])
+    with pytest.raises(vpr.DataError, match="different ground truths"):
+        other = vpr.evaluate(matched(walks), "aligned", tolerance=9)
+        vpr.compare([reports["a"], other])

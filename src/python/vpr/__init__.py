@@ -14,8 +14,10 @@ subclasses of Error.
 # mypy: no-warn-return-any
 from __future__ import annotations
 
+import csv as _csv
 import html as _html
 import importlib as _importlib
+import io as _io
 import json as _json
 import os
 import re
@@ -38,9 +40,9 @@ from numpy.typing import ArrayLike, NDArray
 from . import _vpr
 from ._vpr import Database, Distances, Result, __version__
 
-__all__ = ["Database", "DataError", "Distances", "Error", "Fields", "InputError", "InternalError",
-           "Live", "OutputError", "Report", "Result", "UsageError", "distances", "evaluate",
-           "evaluate_scores", "load", "loops", "query", "train"]
+__all__ = ["Comparison", "Database", "DataError", "Distances", "Error", "Fields", "InputError", "InternalError",
+           "Live", "OutputError", "Report", "Result", "UsageError", "compare", "distances",
+           "evaluate", "evaluate_scores", "load", "loops", "query", "train"]
 
 Path = Union[str, "os.PathLike[str]"]
 Source = Union[None, Path, ArrayLike]
@@ -143,7 +145,7 @@ class Report(Fields):
     its "metrics": report.counts.pairs.correct, report.recall_at[1], report.localization.share.
     counts.recognitions is another name of counts.pairs. curve has the columns threshold, correct
     and incorrect: best matches accepted at each threshold, the strictest first; recall is
-    correct / report.single_best.positives."""
+    correct / report.single_best.positives. A pickled report has all of these, but no page."""
 
     def __init__(self, made: Any) -> None:
         self._made = made
@@ -162,12 +164,114 @@ class Report(Fields):
         """Writes the page of vpr-eval --html."""
         self._made.save(path, True, force)
 
+    def frames(self) -> NDArray[Any]:
+        """A row per query frame, as in vpr-eval --outcomes-csv: its best match (sequence and
+        train_frame, or place), score, outcome, has_match, recognition, rank and margin. Unknown
+        values are -1, NaN or empty. pandas.DataFrame(report.frames()) is a table.
+
+        >>> db = vpr.train(descriptors=monday)
+        >>> report = vpr.evaluate(vpr.query(db, descriptors=tuesday), "aligned")
+        >>> report.frames()[["frame", "train_frame", "outcome"]][7].item()
+        (7, 7, 'correct')
+        """
+        rows = list(_csv.DictReader(_io.StringIO(self._made.frames())))
+        missing: dict[str, Any] = {"frame": -1, "sequence": "", "train_frame": -1, "score": np.nan,
+                                   "outcome": "", "has_match": "", "recognition": "", "rank": -1,
+                                   "margin": np.nan}
+        columns = {name: np.array([row[name] or none for row in rows], type(none))
+                   if isinstance(none, str) else
+                   np.array([type(none)(row[name] or none) for row in rows], type(none))
+                   for name, none in missing.items()}
+        table = np.empty(len(rows), [(name, column.dtype) for name, column in columns.items()])
+        for name, column in columns.items():
+            table[name] = column
+        return table
+
+    def __reduce__(self) -> Any:
+        made = self._made
+        return Report, (_Unpickled(made.text(), made.summary(), made.curve(), made.frames()),)
+
     def __repr__(self) -> str:
         return f"<vpr.Report: {self.summary}>"
 
     def _repr_html_(self) -> str:
-        page = _html.escape(self._made.page(True))
-        return f'<iframe srcdoc="{page}" style="width:100%;height:900px;border:0"></iframe>'
+        if isinstance(self._made, _Unpickled):
+            return f"<p>{_html.escape(self.summary)}</p>"
+        return _framed(self._made.page(True))
+
+
+def _framed(page: str) -> str:
+    return (f'<iframe srcdoc="{_html.escape(page)}" '
+            'style="width:100%;height:900px;border:0"></iframe>')
+
+
+class _Unpickled:
+    """The values of an evaluation in another process, which has no images."""
+
+    def __init__(self, *values: Any) -> None:
+        self.values = values
+
+    def text(self) -> Any:
+        return self.values[0]
+
+    def summary(self) -> Any:
+        return self.values[1]
+
+    def curve(self) -> Any:
+        return self.values[2]
+
+    def frames(self) -> Any:
+        return self.values[3]
+
+    def save(self, path: Path, is_page: bool, force: bool) -> None:
+        if is_page:
+            raise UsageError("an unpickled report has no images. Evaluate the result again")
+        _vpr.save_text(self.text(), path, force)
+
+
+def _pickled(result: Result) -> Any:
+    with tempfile.TemporaryDirectory() as folder:
+        was_read = _vpr.write_result(result, folder + "/r.json")
+        files = {}
+        for name in os.listdir(folder):
+            with open(os.path.join(folder, name), "rb") as file:
+                files[name] = file.read()
+    return _unpickled, (files, was_read)
+
+
+def _unpickled(files: Mapping[str, bytes], was_read: bool) -> Any:
+    with tempfile.TemporaryDirectory() as folder:
+        for name, content in files.items():
+            with open(os.path.join(folder, name), "wb") as file:
+                file.write(content)
+        return _vpr.read_result(_call("load", {}), folder + "/r.json", was_read)
+
+
+class Comparison(Fields):
+    """Reports side by side. Attributes are the keys of the file of vpr-eval compare; str() is its
+    table, and latex a table of LaTeX."""
+
+    def __init__(self, made: Any) -> None:
+        self._made = made
+        self.latex: str = made.latex()
+        super().__init__(_read(made.text()))
+
+    def save(self, path: Path, force: bool = False) -> None:
+        """Writes the file of vpr-eval compare."""
+        _vpr.save_text(self._made.text(), path, force)
+
+    def html(self, path: Path, force: bool = False) -> None:
+        """Writes the page of vpr-eval compare --html."""
+        _vpr.save_text(self._made.page(), path, force)
+
+    def __str__(self) -> str:
+        return str(self._made.table())
+
+    def __repr__(self) -> str:
+        return f"<vpr.Comparison of {len(self.reports)} reports>"
+
+    def _repr_html_(self) -> str:
+        return _framed(self._made.page())
 
 
 class Live:
@@ -354,3 +458,32 @@ def distances(db: Database, query: Source, *, progress: Progress = None,
     ((200, 200), 0, dtype('uint16'))
     """
     return _vpr.distances(_call("distances", settings, progress), _opened(db, Database), query)
+
+
+def compare(reports: Any, *, progress: Progress = None, **settings: object) -> Comparison:
+    """Compares reports on the same queries, as vpr-eval compare: metrics side by side, and
+    differences to the first report with 95 % intervals.
+
+    reports: a list, or a mapping from names; reports of evaluate, or paths of report files.
+    Settings: block, common and allow_different.
+
+    >>> db = vpr.train(descriptors=monday)
+    >>> found = {"filter": {}, "windows": {"c_l": 5, "t_r": 0.5}}
+    >>> print(vpr.compare({name: vpr.evaluate(vpr.query(db, descriptors=tuesday, **by), "aligned")
+    ...                    for name, by in found.items()}).reports[1].name)
+    windows
+    """
+    named = reports.items() if isinstance(reports, Mapping) else [("", one) for one in reports]
+    texts, names = [], []
+    for number, (name, report) in enumerate(named):
+        if isinstance(report, Report):
+            text = report._made.text()
+        else:
+            with open(report, encoding="utf-8") as file:
+                text = file.read()
+        if name:
+            text = _json.dumps({**_json.loads(text), "name": _text(str(name))})
+        texts.append(text)
+        own = f"report {number + 1}" if isinstance(report, Report) else os.fspath(report)
+        names.append(_text(str(name) or own))
+    return Comparison(_vpr.compare(_call("compare", settings, progress), texts, names))
