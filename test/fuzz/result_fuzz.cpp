@@ -19,9 +19,11 @@ void seal(std::vector<fuzz::Part>& parts) {
   for (fuzz::Part& part : parts) {
     std::optional<Json> json = parse_json(part.bytes);
     if (part.name != "r.json" || !json || !json->is_object()) continue;
+    Json& files = (*json)["files"];
+    if (!files.is_object()) files = Json::object();
     for (const fuzz::Part& file : parts) {
       if (!file.name.starts_with("r.") || !file.name.ends_with(".npy")) continue;
-      Json& entry = (*json)["files"][file.name.substr(2, file.name.size() - 6)];
+      Json& entry = files[file.name.substr(2, file.name.size() - 6)];
       entry = {{"rows", 0}, {"checksum", checksum(std::string_view(file.bytes))}};
     }
     (*json)["checksum"] = result_checksum(*json);
