@@ -4,9 +4,15 @@
 #   corpora.sh PROGRAMS
 set -euo pipefail
 cd "$(dirname "$0")/corpus"
-log=$(mktemp)
-trap 'rm -f "$log"' EXIT
-for name in *; do
+work=$(mktemp -d)
+log=$work/log
+trap 'rm -rf "$work"' EXIT
+for archive in "$PWD"/*.tar.gz; do
+  tar -xzf "$archive" -C "$work"
+done
+cd "$work"
+for name in */; do
+  name=${name%/}
   if ! "$1/fuzz_$name" "$name" 2>"$log"; then
     tail -n 5 "$log" >&2
     echo "corpora: fuzz_$name failed at the last input named above" >&2
