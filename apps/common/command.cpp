@@ -237,11 +237,19 @@ void refuse_empty(const std::vector<GivenFlag>& given) {
 
 void Session::print_line(const Json& json) const { print_json(progress, to_line(json) + "\n"); }
 
+void claim_charts(Outputs& outputs, const std::string& folder) {
+  for (const char* extension : {".png", ".svg", ".pdf", ".html", ".jpg"})
+    if (folder.ends_with(extension))
+      throw Error(ErrorKind::usage,
+                  "{} names a file, and charts fill a folder, as in --plot charts", folder);
+  outputs.claim_folder(folder, is_marked_folder);
+}
+
 void Session::claim_output(const std::vector<std::string>& files, const std::string& plots) const {
   if (!options.output.empty()) outputs.claim_file(options.output);
   for (const std::string& file : files)
     if (!file.empty()) outputs.claim_file(file);
-  if (!plots.empty()) outputs.claim_folder(plots, is_marked_folder);
+  if (!plots.empty()) claim_charts(outputs, plots);
 }
 
 void Session::write_output(const Json& json) const {

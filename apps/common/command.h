@@ -110,6 +110,9 @@ void visit_fields(ConfigKeys<S>& keys, Visitor&& visit) {
   visit_fields(keys.process, visit);
 }
 
+/// Claims a folder for charts. Throws Error(usage) for the name of an image or a page.
+void claim_charts(Outputs& outputs, const std::string& folder);
+
 /// The environment of a command while it runs.
 struct Session {
   const CommonOptions& options;

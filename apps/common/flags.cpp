@@ -96,8 +96,16 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
     command.add_option(
         flag, [&path](const std::string& text) { path = text; }, help, kGroundTruthGroup, "FILE");
   };
-  add_setting(command, "--tolerance", flags.tolerance_frames,
-              "frames by which the same place may be off (default: the data set's, or 0)");
+  command.add_option(
+      "--tolerance",
+      [&flags](const std::string& text) {
+        flags.tolerance_frames = parse_number<int>(text);
+        if (!flags.tolerance_frames)
+          throw Error(ErrorKind::usage, "--tolerance counts frames, as in --tolerance 3, found {}",
+                      text);
+      },
+      "frames by which the same place may be off (default: the data set's, or 0)", kEssentialGroup,
+      "NUMBER");
   command
       .add_option(format_flag, flags.format, "format of the ground truth (default: detected)",
                   kGroundTruthGroup)

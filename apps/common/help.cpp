@@ -305,8 +305,11 @@ std::string short_help_text(const CommandEntry& command, const std::string& path
   const auto short_entry = [](const std::string& name, const std::string& help) {
     return entry(name, help.substr(0, help.find(';')));
   };
-  std::string text =
-      wrapped(command.description, kHelpWidth, 0) + "\n" + usage_text(command, path) + "\n";
+  std::string text = wrapped(command.description, kHelpWidth, 0) + "\n" + usage_text(command, path);
+  const bool has_essentials =
+      !command.arguments.empty() ||
+      std::ranges::count(command.flags, kEssentialGroup, &FlagEntry::group) > 0;
+  if (has_essentials) text += "\n";
   for (const FlagEntry& argument : command.arguments)
     text += short_entry(argument.names.front(), argument.help);
   for (const FlagEntry& flag : command.flags)

@@ -1,8 +1,10 @@
 #include "parser.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -24,6 +26,31 @@ std::vector<std::string> split_choices(const std::string& value) {
   return {choices.begin(), choices.end()};
 }
 
+/// The words for values that are strings, by the flags of all programs.
+struct ValueWord {
+  std::string_view word;
+  std::string_view flags;  // each between blanks
+};
+constexpr std::array<ValueWord, 5> kValueWords = {
+    {{"SEQUENCE",
+      " --query --train --pretrain --validate --npy --query-npy --train-npy --query-bow "
+      "--pretrain-bow --train-bow "},
+     {"FILE",
+      " --dataset --names --vocabulary --tree --save-config --save-posteriors --heat-map --result "
+      "--ground-truth --validate-ground-truth "},
+     {"FOLDER", " --train-folders --plot --fabmap "},
+     {"PATH", " --output "},
+     {"NAME", " --name --only-sequence --place --sequence --same-place "}}};
+
+std::string value_word(const std::string& word, const std::string& flag) {
+  if (word == "NUMBERS" || word == "NAMES") return "LIST";
+  if (word != "TEXT") return word;
+  for (const ValueWord& row : kValueWords)
+    if (row.flags.find(fmt::format(" {} ", flag)) != std::string_view::npos)
+      return std::string(row.word);
+  return word;
+}
+
 FlagEntry describe_flag(const CLI::Option& option) {
   FlagEntry flag;
   for (const std::string& name : option.get_snames()) flag.names.push_back("-" + name);
@@ -32,7 +59,7 @@ FlagEntry describe_flag(const CLI::Option& option) {
   if (option.get_items_expected_max() > 0) {
     const std::string type = option.get_type_name();  // "WORD:choices"
     const size_t colon = type.find(':');
-    flag.value = type.substr(0, colon);
+    flag.value = value_word(type.substr(0, colon), flag.names.back());
     flag.choices = split_choices(colon == std::string::npos ? flag.value : type.substr(colon + 1));
   }
   flag.help = option.get_description();
@@ -59,6 +86,7 @@ void sort_flags(std::vector<FlagEntry>& flags) {
 CommandEntry describe_commands(const CLI::App& app) {
   CommandEntry entry;
   entry.name = app.get_name();
+  entry.aliases = app.get_aliases();
   entry.description = app.get_description();
   entry.sections = split_sections(app.get_footer());
   entry.runs_itself = app.get_require_subcommand_min() == 0;
@@ -86,7 +114,7 @@ class HelpFormatter : public CLI::FormatterBase {
 };
 
 void group_own_flags(CLI::App& app, const std::string& version) {
-  app.set_version_flag("--version", version, "print the version and exit");
+  app.set_version_flag("-V,--version", version, "print the version and exit");
   app.get_version_ptr()->group(kCommonGroup);
   app.set_help_flag("-h", "print the essential options and exit")->group(kCommonGroup);
   app.set_help_all_flag("--help", "print all options and exit")->group(kCommonGroup);
@@ -104,14 +132,44 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
     return name.size() > word.size() && name.starts_with(word);
   });
   const std::string best = longer == known.end() ? nearest(word, known) : *longer;
-  const bool is_near = longer != known.end() ||
-                       edit_distance(word, best) <= std::max<size_t>(1, (word.size() - 1) / 3);
+  const size_t most_edits = std::clamp<size_t>((word.size() - 1) / 3, 1, 2);
+  const bool is_near = longer != known.end() || edit_distance(word, best) <= most_edits;
   return is_near ? fmt::format("; did you mean {}?", best) : ".";
 }
 
 void add_flags(const CommandEntry& command, std::vector<std::string>& known) {
   for (const FlagEntry& flag : command.flags)
     known.insert(known.end(), flag.names.begin(), flag.names.end());
+}
+
+// "; use --npy", for a flag of another command, with its counterpart in this one; empty without.
+std::string counterpart(const std::string& flag, const std::vector<std::string>& known) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kCounterparts = {
+      {{"--train", "--npy"},
+       {"--query-npy", "--query"},
+       {"--npy", "--query-npy"},
+       {"--csv", "--format csv"},
+       {"--latex", "--format latex"},
+       {"--markdown", "--format markdown"},
+       {"--out", "--output"},
+       {"--gt", "--ground-truth"}}};
+  for (const auto& [other, own] : kCounterparts)
+    if (flag == other && std::ranges::count(known, own.substr(0, own.find(' '))) > 0)
+      return fmt::format("; use {}.", own);
+  return "";
+}
+
+// A message about the number of values, in the words of other errors.
+std::string in_our_words(const std::string& error) {
+  const size_t colon = error.find(": ");
+  const std::string name = error.substr(0, colon);
+  if (colon != std::string::npos && error.ends_with(" missing"))
+    return fmt::format("{} needs a value", name);
+  const size_t fewest = error.find("At least ");
+  const size_t received = error.find(" required but received ");
+  if (fewest == std::string::npos || received == std::string::npos) return error;
+  return fmt::format("{} needs {} or more, found {}", name,
+                     error.substr(fewest + 9, received - fewest - 9), error.substr(received + 23));
 }
 
 // Describes the first unknown flag, or the unknown or missing command, with the nearest known name
@@ -125,9 +183,11 @@ std::optional<std::string> unknown_word(const CommandEntry& program,
   for (const CommandEntry& command : program.commands) commands.push_back(command.name);
   std::string path = program.name;
   for (const std::string& word : words) {
-    const auto named = std::find(commands.begin(), commands.end(), word);
-    if (named != commands.end() && path == program.name) {
-      add_flags(program.commands[static_cast<size_t>(named - commands.begin())], flags);
+    const auto named = std::ranges::find_if(program.commands, [&](const CommandEntry& command) {
+      return command.name == word || std::ranges::count(command.aliases, word) > 0;
+    });
+    if (named != program.commands.end() && path == program.name) {
+      add_flags(*named, flags);
       path += " " + word;
     } else if (&word == &words.front() && !program.runs_itself && !word.starts_with('-')) {
       return fmt::format("unknown command {}{} There are {}", shell_word(word),
@@ -140,8 +200,10 @@ std::optional<std::string> unknown_word(const CommandEntry& program,
     if (word == "--") break;
     const std::string name = word.substr(0, word.find('='));
     const bool is_flag = name.size() > 2 && name.starts_with("--");
-    if (is_flag && std::ranges::count(flags, name) == 0)
-      return fmt::format("unknown flag {}{} See {} --help", name, did_you_mean(name, flags), path);
+    if (!is_flag || std::ranges::count(flags, name) > 0) continue;
+    const std::string own = counterpart(name, flags);
+    return fmt::format("unknown flag {}{} See {} --help", name,
+                       own.empty() ? did_you_mean(name, flags) : own, path);
   }
   return std::nullopt;
 }
@@ -226,6 +288,8 @@ Flag Command::add_list(const std::string& flag, std::vector<std::string>& values
                    ->type_name(word));
 }
 
+void Command::add_alias(const std::string& name) const { app_->alias(name); }
+
 void Command::remove_flag(const std::string& flag) const {
   app_->remove_option(app_->get_option(flag));
 }
@@ -273,25 +337,36 @@ Command Parser::add_command(const std::string& name, const std::string& descript
 void Parser::require_command(bool required) { app_->require_subcommand(required ? 1 : 0, 1); }
 
 bool Parser::parse(int argc, char** argv) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (!words.empty() && words.front() == "help" && !std::filesystem::exists("help")) {
+    words.erase(words.begin());
+    words.emplace_back("-h");
+  }
   try {
-    app_->parse(argc, argv);
+    app_->parse(std::vector(words.rbegin(), words.rend()));
     return true;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app_->exit(error), false;  // -h, --help, --version
-    if (const auto unknown = unknown_word(describe(), {argv + 1, argv + argc}))
+    if (const auto unknown = unknown_word(describe(), words))
       throw Error(ErrorKind::usage, *unknown);
     std::string path = app_->get_name();
     for (const CLI::App* command : app_->get_subcommands()) path += " " + command->get_name();
     const std::vector<std::string> extra = app_->remaining(true);
     if (!extra.empty() && extra.front().empty())
       throw Error(ErrorKind::usage, "an argument is empty. Is a variable of the shell unset?");
-    if (!extra.empty() && extra.front().starts_with('-'))
-      throw Error(ErrorKind::usage, "unknown flag {}. See {} --help", extra.front(), path);
+    if (!extra.empty() && extra.front().starts_with('-')) {
+      // Of -version, -v is a flag and -ersion remains.
+      const auto typed = std::ranges::find_if(words, [&](const std::string& word) {
+        return word.starts_with('-') && word.ends_with(extra.front().substr(1));
+      });
+      throw Error(ErrorKind::usage, "unknown flag {}. See {} --help",
+                  typed == words.end() ? extra.front() : *typed, path);
+    }
     for (const char* flag : {"--query", "--train"})
       if (!extra.empty() && takes(flag))
         throw Error(ErrorKind::usage, "unexpected argument {}; did you mean {} {}?", extra.front(),
                     flag, extra.front());
-    throw Error(ErrorKind::usage, "{}; see {} --help", error.what(), path);
+    throw Error(ErrorKind::usage, "{}; see {} --help", in_our_words(error.what()), path);
   }
 }
 

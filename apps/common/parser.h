@@ -68,6 +68,8 @@ class Command {
   /// A repeatable flag. Values are not split.
   Flag add_list(const std::string& flag, std::vector<std::string>& values, const std::string& help,
                 const std::string& group = kEssentialGroup, const std::string& word = "TEXT") const;
+  /// Another name of the command, which the help does not list.
+  void add_alias(const std::string& name) const;
   /// Removes a flag, such as --output of a command without output files.
   void remove_flag(const std::string& flag) const;
   /// Inserts a section, a heading with a colon and lines, before the sections at the end of the
@@ -103,6 +105,7 @@ struct Section {
 
 struct CommandEntry {
   std::string name;
+  std::vector<std::string> aliases;  ///< names that the help does not list
   std::string description;
   std::vector<Section> sections;
   std::vector<FlagEntry> arguments;
@@ -132,8 +135,8 @@ class Parser {
                       std::function<void(const Command&)> chosen);
   void require_command(bool required);
 
-  /// Returns false after -h, --help or --version, whose text is printed. Throws Error(usage), and
-  /// errors from reading values.
+  /// Returns false after -h, --help, help or --version, whose text is printed. Throws Error(usage),
+  /// and errors from reading values.
   bool parse(int argc, char** argv);
   /// Flags and arguments on the command line: those of the program, then those of its command.
   std::vector<GivenFlag> given() const;

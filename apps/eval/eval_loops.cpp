@@ -121,7 +121,7 @@ void add_loops(Program& program) {
   const auto inputs = std::make_shared<LoopInputs>();
   const Command command = program.add_command(
       "loops", "Evaluate loop closures by a trajectory.",
-      "  vpr-eval loops loops.csv --poses laps/poses.csv --radius 1 --gap 60 --distance\n"
+      "  vpr-eval loops loops.csv --poses building/laps/poses.csv --radius 1 --gap 60 --distance\n"
       "  vpr-eval loops slam.csv --poses trajectory.txt --radius 2 --gap 30s --similarity\n"
       "  vpr-eval loops result.json --poses poses.txt --pose-times times.txt --radius 2 --gap 15s "
       "--plot plots",

@@ -376,7 +376,7 @@ void claim_outputs(const Session& session, const std::vector<GivenOutput>& given
   session.claim_output();
   for (const auto& [output, path, text] : given)
     if (output->draw != nullptr)
-      session.outputs.claim_folder(path, is_marked_folder);
+      claim_charts(session.outputs, path);
     else
       session.outputs.claim_file(path);
 }

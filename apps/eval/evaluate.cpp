@@ -88,6 +88,10 @@ EvaluationSettings evaluation_settings(const EvalFlags& flags, const EvalRow& ro
 }
 
 ScoreMatrix open_scores(const EvalFlags& flags, const Monitor& monitor) {
+  if (is_database_folder(flags.scores.path))
+    throw Error(ErrorKind::data,
+                "{} is a database. Pass scores, as saved by vpr-query --save-matrix",
+                flags.scores.path);
   const ScoreInputs& scores = flags.scores;
   if (!scores.query_npy.empty())
     return descriptor_scores(open_sequence(parse_sequence_argument(scores.query_npy)),

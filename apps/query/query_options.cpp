@@ -124,9 +124,8 @@ void add_match_flags(const Command& command, QueryOptions& options, AllSettings&
   add_query_flags(command, options);
   add_method_flag(
       command, settings, false,
-      "matching method (default: filter, for 0.5 to 2 times the trained speed); fastable "
-      "is for equal speed, and flags of windows select it; FAB-MAP databases have the "
-      "method fabmap");
+      "matching method (default: filter); flags of windows select fastable, which is for "
+      "equal speed; FAB-MAP databases have the method fabmap");
   add_arrays_flag(command, options);
   add_selection_flags(command, options);
   add_speed_flag(command, options.selection.speed).group(kQueryGroup);
@@ -249,7 +248,7 @@ std::string summary_text(const Result& result, const QueryOptions& options,
                       session.options.verbose ? SIZE_MAX : kRanges, "shorter range");
   text += fmt::format("Settings: {}\n", settings_text(result));
   if (result.path && result.path->reversed_frames)
-    text += fmt::format("Check: with reversed training sequences, {} would be recognized\n",
+    text += fmt::format("Chance: {} match the training sequences played backward\n",
                         counted(*result.path->reversed_frames, "frame"));
   const std::string& output = session.options.output;
   if (output.empty() || found == 0) return text;

@@ -40,7 +40,7 @@ constexpr std::array<CommandRow, 3> kCommands = {
       "  inotifywait -m -q -e close_write -e moved_to --format '%w%f' images | vpr-query live "
       "corridor.vprdb --query -"},
      {"loops", QueryCommand::loops, "Match a sequence with its own earlier frames.", add_loop_flags,
-      "  vpr-query loops --query laps --gap 60 --c-l 10 --save-loops loops.csv\n"
+      "  vpr-query loops --query building/laps --gap 60 --c-l 10 --save-loops loops.csv\n"
       "  vpr-query loops --query laps.mp4 --gap 30s --score zscore -o loops.json\n"
       "  vpr-query loops fabmap.vprdb --query laps --gap 60 --t-p 0.9"}}};
 
@@ -58,8 +58,7 @@ std::string counterpart_text(const std::string& flag) {
 // Refuses a given flag of the other family.
 void refuse_other(bool is_given, const std::string& flag, DatabaseFamily family) {
   refuse(is_given, flag,
-         fmt::format("has no effect with a database for {}{}", enum_name(family),
-                     counterpart_text(flag)));
+         fmt::format("has no effect with a {}{}", family_text(family), counterpart_text(flag)));
 }
 
 // Refuses flags and configuration keys of the other family, which would have no effect.
@@ -73,8 +72,8 @@ void refuse_keys_of(const Session& session, DatabaseFamily family) {
     if (std::ranges::count(own, key) > 0) return;
     refuse_other(session.command.is_given(flag_of(key)), flag_of(key), family);
     if (std::ranges::count(session.options.config_keys, key) > 0)
-      throw Error(ErrorKind::usage, "{}: {} has no effect with a database for {}",
-                  session.options.config, key, enum_name(family));
+      throw Error(ErrorKind::usage, "{}: {} has no effect with a {}", session.options.config, key,
+                  family_text(family));
   });
 }
 
@@ -88,6 +87,13 @@ SequenceQuerySettings parse_sequences(const Session& session, const QueryOptions
   refuse(command == QueryCommand::loops && !options.database.empty(), "DB",
          "does not go with vpr-query loops, except for FAB-MAP. Omit it");
   SequenceQuerySettings settings = choose_query(keys, given_keys<SequenceKeys>(session), command);
+  constexpr double kLowMargin = 12;  // at 10, floors that look alike are confused
+  const auto* filter = std::get_if<Filter>(&settings.rule);
+  if (filter != nullptr && filter->margin < kLowMargin)
+    warn(session.monitor,
+         "--margin {:g} is low: the filter counts deviations (default: {:g}), and may recognize "
+         "other places",
+         filter->margin, kFilterMargin);
   refuse(!options.matrix.empty() && std::holds_alternative<Lsh>(settings.rule), "--save-matrix",
          "does not go with --method lsh, which omits scores. Omit it");
   return settings;
@@ -97,8 +103,8 @@ FabmapQuerySettings parse_places(const Session& session, const QueryOptions& opt
                                  const AllSettings& settings, QueryCommand command) {
   constexpr DatabaseFamily kFamily = DatabaseFamily::fabmap;
   if (command == QueryCommand::live)
-    throw Error(ErrorKind::data, "{}: is a database for {}, which {} cannot use", options.database,
-                enum_name(kFamily), enum_name(command));
+    throw Error(ErrorKind::data, "{} is a {}, which {} cannot use", options.database,
+                family_text(kFamily), enum_name(command));
   refuse_other(!options.matrix.empty(), "--save-matrix", kFamily);
   refuse_other(session.command.is_given("--max-memory"), "--max-memory", kFamily);
   refuse_keys_of<FabmapQuerySettings, SequenceKeys>(session, kFamily);
@@ -123,8 +129,8 @@ void check_method(const std::string& method, const QueryOptions& options, Databa
   const bool is_fabmap = method == enum_name(DatabaseFamily::fabmap);
   if (!is_fabmap) find_sequence_method(method);
   if (is_fabmap != (family == DatabaseFamily::fabmap))
-    throw Error(ErrorKind::data, "{}: is a database for {}, which {} cannot use", options.database,
-                enum_name(family), method);
+    throw Error(ErrorKind::data, "{} is a {}, which {} cannot use", options.database,
+                family_text(family), method);
 }
 
 // The query that the command line asks for: of sequences, or of places. Throws Error(usage) for

@@ -89,7 +89,7 @@ void add_fabmap(Program& program) {
   FabmapTrainSettings& settings = options->settings;
   const Command command = program.add_command(
       "fabmap", "Build a database for FAB-MAP: visual words of local features.",
-      "  vpr-train fabmap --pretrain upstairs --train monday --words 200 -o fabmap.vprdb\n"
+      "  vpr-train fabmap --pretrain building/upstairs --train monday --words 200 -o fabmap.vprdb\n"
       "  vpr-train fabmap --pretrain upstairs --place hall=hall --place stairs=up --place "
       "stairs=down -o places.vprdb",
       [options](Session& session) {

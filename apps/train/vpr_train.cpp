@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "database/archive.h"
 #include "present/database_report.h"
 #include "recordings/sequence_source.h"
@@ -32,23 +33,24 @@ std::vector<NamedArgument> selected_arguments(const TrainOptions& options, const
   return named;
 }
 
-void add_fastable(Program& program) {
-  struct Fastable {
+void add_images(Program& program) {
+  struct Images {
     TrainOptions options;
     SequenceTrainSettings settings;
   };
-  const auto train = std::make_shared<Fastable>();
+  const auto train = std::make_shared<Images>();
   SequenceTrainSettings& settings = train->settings;
   const Command command = program.add_command(
-      "fastable", "Build a database for FastABLE and OpenABLE: one descriptor per frame.",
-      "  vpr-train fastable --train monday -o corridor.vprdb\n"
-      "  vpr-train fastable --train-folders walks --c-l 20 -o walks.vprdb\n"
-      "  vpr-train fastable --train monday.mp4 --fps 5 -o monday.vprdb",
+      "images", "Build a database of images or video: one descriptor per frame.",
+      "  vpr-train images --train monday -o corridor.vprdb\n"
+      "  vpr-train images --train-folders walks --c-l 20 -o walks.vprdb\n"
+      "  vpr-train images --train monday.mp4 --fps 5 -o monday.vprdb",
       [train](Session& session) {
         claim_database(session);
         store_database(session, train_sequences(selected_arguments(train->options, session),
                                                 train->settings, session.monitor));
       });
+  command.add_alias("fastable");
   program.add_config(command, settings);
   add_inputs(command, train->options);
   add_rate_flags(command, train->options.selection, "training sequences");
@@ -88,7 +90,7 @@ void add_info(Program& program) {
 
 void extend_sequences(Session& session, const std::string& path, const TrainOptions& options) {
   if (!options.places.empty())
-    throw Error(ErrorKind::usage, "{}: is a database for fastable, which does not support --place",
+    throw Error(ErrorKind::usage, "{} is a database of sequences, which does not support --place",
                 path);
   const SequenceDatabase database = read_sequence_database(path);
   store_database(session,
@@ -99,7 +101,7 @@ void extend_sequences(Session& session, const std::string& path, const TrainOpti
 void extend_fabmap(Session& session, const std::string& path, const TrainOptions& options) {
   if (options.selection.fps || options.selection.recorded_fps)
     throw Error(ErrorKind::usage,
-                "{}: is a database for fabmap, which does not support --fps. Use a range with a "
+                "{} is a FAB-MAP database, which does not support --fps. Use a range with a "
                 "step, as in PATH@::6",
                 path);
   FabmapDatabase database = read_fabmap_database(path);
@@ -116,7 +118,7 @@ void add_add(Program& program) {
   const auto add = std::make_shared<Add>();
   const Command command = program.add_command(
       "add", "Extend a database with more sequences, without computing its descriptors again.",
-      "  vpr-train add corridor.vprdb --train upstairs -o extended.vprdb\n"
+      "  vpr-train add corridor.vprdb --train building/upstairs -o extended.vprdb\n"
       "  vpr-train add places.vprdb --place lift=lift -o more_places.vprdb",
       [add](Session& session) {
         session.outputs.release(add->database);  // it is read before it is replaced
@@ -179,7 +181,9 @@ void store_database(const Session& session, const AnyDatabase& database) {
            "vpr-train add appends another",
            flag);
   write_database(session.options.output, database, session.outputs);
-  print_database(session, database, session.options.output);
+  print_database(session, database, session.options.output,
+                 fmt::format("next: vpr-query {} --query SEQUENCE -o result.json\n",
+                             shell_word(session.options.output)));
 }
 
 }  // namespace vpr
@@ -187,8 +191,8 @@ void store_database(const Session& session, const AnyDatabase& database) {
 int main(int argc, char** argv) {
   using namespace vpr;
   Program program("vpr-train", "Build, list and extend databases for visual place recognition.",
-                  "  vpr-train fastable --train monday --train upstairs -o building.vprdb");
-  add_fastable(program);
+                  "  vpr-train images --train monday -o corridor.vprdb");
+  add_images(program);
   add_descriptors(program);
   add_fabmap(program);
   add_info(program);

@@ -65,8 +65,8 @@ void add_threshold(Program& program) {
   const auto tune = std::make_shared<ThresholdCommand>();
   const Command command = program.add_command(
       "threshold", "List automatic thresholds t_r. The list has the frames that set them.",
-      "  vpr-tune threshold building.vprdb --c-l 20,40\n"
-      "  vpr-tune threshold building.vprdb --c-l 60 --safety-factor 0.9 --write",
+      "  vpr-tune threshold extended.vprdb --c-l 20,40\n"
+      "  vpr-tune threshold extended.vprdb --c-l 60 --safety-factor 0.9 --write",
       [tune](Session& session) { compute_thresholds(session, *tune); });
   program.add_config(command, *tune);
   command.add_option("DB", tune->database, "database of a sequence method").required();

@@ -173,7 +173,7 @@ class Result:
 def database(name, sequence):
     path = options.work / f"{name}.vprdb"
     if not path.exists():
-        run("vpr-train", "fastable", "--train", sequence, "-o", path)
+        run("vpr-train", "images", "--train", sequence, "-o", path)
     return path
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Windows by the default margin, as the table of docs/experiments/margins.md: margins.py DATA [BIN].
+"""Windows by the default margin, for docs/benchmarks/why-these-defaults.md: margins.py DATA [BIN].
 DATA: folder with corridor/, loop/, nordland/ and tower/; three buildings are rendered. A cell has
 correct+incorrect recognitions, and the largest incorrect margin times sqrt(c_l), in deviations or typical
 distances. Two programs run at a time, with one thread each."""
@@ -73,7 +73,7 @@ def sets():
 def database(sequence):
     path = out / (str(sequence).replace("/", "_") + ".vprdb")
     if not path.exists():
-        run("vpr-train", "fastable", "--train", sequence, "-o", path, "--quiet")
+        run("vpr-train", "images", "--train", sequence, "-o", path, "--quiet")
     return path
 
 

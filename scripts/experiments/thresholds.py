@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Thresholds of one walk, or half of one, applied to another: thresholds.py DATA [BIN] [--jobs N].
 DATA: folder with corridor/, nordland/, loop/ and tower/. Worlds are rendered from
-configs/worlds/speeds.json. Prints rows of the table of docs/experiments/calibration.md: margins that
+configs/worlds/speeds.json. Prints how margins transfer (docs/benchmarks/why-these-defaults.md): margins that
 vpr-tune fastable recommends, and the default of the filter."""
 import argparse
 import array
@@ -39,7 +39,7 @@ def run(program, *words, fails=False):
 
 def train(walk, name):
     if not (out / f"{name}.vprdb").exists():
-        run("vpr-train", "fastable", "--train", walk, "-o", out / f"{name}.vprdb", "--quiet")
+        run("vpr-train", "images", "--train", walk, "-o", out / f"{name}.vprdb", "--quiet")
     return out / f"{name}.vprdb"
 
 

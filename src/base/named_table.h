@@ -22,11 +22,15 @@ std::vector<std::string> names_of(const Table& table) {
 }
 
 /// Throws Error(usage): `word` is not the name of a `what` ("method"). The message lists all
-/// `names`, of which there is at least one, and the nearest one.
+/// `names`, of which there is at least one, and names the nearest one within two edits.
 [[noreturn]] inline void refuse_name(std::string_view what, std::string_view word,
                                      const std::vector<std::string>& names) {
-  throw Error(ErrorKind::usage, "unknown {} \"{}\"; did you mean {}? There are {}", what, word,
-              nearest(word, names), fmt::join(names, ", "));
+  constexpr size_t kMostEdits = 2;
+  const std::string near = nearest(word, names);
+  throw Error(
+      ErrorKind::usage, "unknown {} \"{}\"{} There are {}", what, word,
+      edit_distance(word, near) > kMostEdits ? "." : fmt::format("; did you mean {}?", near),
+      fmt::join(names, ", "));
 }
 
 /// The first row with this name. Throws as refuse_name does.

@@ -118,20 +118,24 @@ std::string Archive::text(const std::string& name) const {
   return std::string(file.text());
 }
 
+std::string_view family_text(DatabaseFamily family) {
+  return family == DatabaseFamily::fabmap ? "FAB-MAP database" : "database of sequences";
+}
+
 DatabaseFamily database_family(const std::filesystem::path& path) {
   const Archive archive(path);
   const std::string name = archive.fields(archive.manifest()).text("method");
   if (const auto family = enum_value<DatabaseFamily>(name)) return *family;
-  throw Error(ErrorKind::data, "{}: is a database for {}, which is unknown", archive.name(), name);
+  throw Error(ErrorKind::data, "{} is a database for {}, which is unknown", archive.name(), name);
 }
 
 void require_family(const Archive& archive, DatabaseFamily family) {
   const std::string name = archive.fields(archive.manifest()).text("method");
-  const std::string_view needed = enum_name(family);
-  if (name != needed)
-    throw Error(ErrorKind::data,
-                "{}: is a database for {}, but one for {} is needed; train it with vpr-train {}",
-                archive.name(), name, needed, needed);
+  if (name == enum_name(family)) return;
+  throw Error(ErrorKind::data, "{} is a {}. Train a {} with vpr-train {}", archive.name(),
+              family_text(name == enum_name(DatabaseFamily::fabmap) ? DatabaseFamily::fabmap
+                                                                    : DatabaseFamily::sequences),
+              family_text(family), family == DatabaseFamily::fabmap ? "fabmap" : "images");
 }
 
 }  // namespace vpr

@@ -80,10 +80,13 @@ class Archive {
 
 /// The family of methods that a database serves.
 enum class DatabaseFamily { sequences, fabmap };
-/// The names in manifests and of vpr-train.
+/// The names in manifests.
 template <>
 inline constexpr std::array<std::string_view, 2> kEnumNames<DatabaseFamily> = {"fastable",
                                                                                "fabmap"};
+
+/// "database of sequences", "FAB-MAP database".
+std::string_view family_text(DatabaseFamily family);
 
 /// Reads only the manifest. Throws Error(input) if it is missing, Error(data) if it is damaged or
 /// names an unknown family.

@@ -77,8 +77,9 @@ std::optional<std::string> tolerance_warning(const GroundTruth& truth, int64_t t
     const std::string share = correct == matches.size()
                                   ? fmt::format("all {}", correct)
                                   : fmt::format("{} of {}", correct, matches.size());
-    return fmt::format("{} {} are within {} of the truth", share, noun,
-                       counted(wider.tolerance_frames, "frame"));
+    return fmt::format(
+        "{} {} are within {} of the truth. If that is the same place, use --tolerance {}", share,
+        noun, counted(wider.tolerance_frames, "frame"), wider.tolerance_frames);
   }
   return std::nullopt;
 }

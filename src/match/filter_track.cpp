@@ -10,7 +10,7 @@ namespace {
 
 // Mean distances of paths as shares of the typical distance of training frames: paths in other
 // buildings are seldom closer than kFar; a path above kFarthest has no margin
-// (docs/experiments/filter.md).
+// (docs/benchmarks/why-these-defaults.md).
 constexpr double kNear = 0.5;
 constexpr double kFar = 0.8;
 constexpr double kFarthest = 1.05;

@@ -77,7 +77,8 @@ constexpr std::array<SequenceMethod, 5> kMethods = {{
      false, nullptr, fastable_stage},
     {"openable", "every window distance by definition (slow)", false, nullptr, openable_stage},
     {"filter",
-     "follows a path at 0.5 to 2 times the trained speed; accepts matches that the path confirms",
+     "follows a path at any speed close to the trained one; accepts matches that the path "
+     "confirms",
      true, nullptr, filter_stage},
     {kLshMethod, "approximate hashing: some of the near windows", false, match_by_hashes, nullptr},
 }};

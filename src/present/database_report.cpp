@@ -18,7 +18,10 @@ namespace {
 std::string descriptor_text(const DescriptorStore& descriptors) {
   if (descriptors.kind == &descriptor_kinds().front()) return "";
   const DescriptorShape shape = descriptors.shape();
-  return fmt::format(", {} of {} {}", descriptors.kind->name, shape.length, element_noun(shape));
+  if (shape.element == ElementType::ldb_hog)
+    return fmt::format(", {} bytes each ({})", shape.row_bytes(), descriptors.kind->name);
+  return fmt::format(", {} {} each ({})", shape.length, element_noun(shape),
+                     descriptors.kind->name);
 }
 
 // "40 of 80" for a selection.

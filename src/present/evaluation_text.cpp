@@ -122,7 +122,7 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
     const auto& curves = report.metrics.curves;
     const bool by_margin = report.frames.outcomes.confidence == Confidence::margin;
     if (report.frames.outcomes.has_scores) {
-      text += line("curve", curve_text(curves.single_best) + (by_margin ? ", by margin" : ""));
+      text += line("ranking", curve_text(curves.single_best) + (by_margin ? " (by margin)" : ""));
       if (curves.all_pairs) text += line("all pairs", curve_text(*curves.all_pairs));
     }
     if (const std::string unknown = unknown_text(report.frames.outcomes); !unknown.empty())

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <opencv2/core/mat.hpp>
 
+#include "present/result_text.h"
 #include "truth/ground_truth.h"
 
 namespace vpr {
@@ -251,7 +252,7 @@ Chart result_matrix_chart(const Result& result, const RowPixels& pixels, const M
       matrix_chart(judgment, unknown, pixels.grid(),
                    pixels.scores(result.score().offset(result.window_length())), "training frame",
                    score_unit(result.settings, result.window_length()), monitor);
-  chart.title = fmt::format("{} on {}, c_l {}", method_of(result.settings), result.query.name,
+  chart.title = fmt::format("{} on {}, c_l {}", method_text(result.settings), result.query.name,
                             result.window_length());
   return chart;
 }

@@ -11,6 +11,7 @@
 #include "evaluate/report.h"
 #include "match/match.h"
 #include "present/methods_table.h"
+#include "present/result_text.h"
 #include "query/query_settings.h"
 
 namespace vpr {
@@ -41,14 +42,11 @@ std::string range_text(const std::array<size_t, 2>& range) {
                               : fmt::format("{} to {}", range[0], range[1]);
 }
 
-// The name set by the user, or the method with its score, unless it is raw or without windows.
+// The name set by the user, or the method.
 std::string method_title(const Report& report) {
   if (report.name) return *report.name;
   const QuerySettings* settings = report.query_settings();
-  const auto* windows =
-      settings == nullptr ? nullptr : std::get_if<SequenceQuerySettings>(settings);
-  if (windows == nullptr || report.has_paths() || !is_zscore(windows->rule)) return report.method;
-  return fmt::format("{}, {}", report.method, enum_name(score_of(windows->rule)));
+  return settings == nullptr ? report.method : method_text(*settings);
 }
 
 using NamedNumbers = std::pair<std::string, const CurveNumbers*>;

@@ -6,13 +6,14 @@
 #include <fmt/ranges.h>
 
 #include "base/text.h"
+#include "match/lsh.h"
 
 namespace vpr {
 namespace {
 
 // "0.725", or "0.61 to 0.64 (automatic)" over the searched sequences.
 template <auto kMember>
-std::string limit_text(const Result& result, bool is_automatic) {
+std::string limit_text(const Result& result, bool is_automatic, std::string_view unit = "") {
   std::vector<double> limits;
   for (const ComparedSequence& compared : result.sequences)
     if (compared.searched && compared.*kMember) limits.push_back(*(compared.*kMember));
@@ -20,6 +21,7 @@ std::string limit_text(const Result& result, bool is_automatic) {
   const auto [low, high] = std::ranges::minmax(limits);
   std::string text = fmt::format("{:.3g}", low);
   if (fmt::format("{:.3g}", high) != text) text += fmt::format(" to {:.3g}", high);
+  if (!unit.empty()) text += fmt::format(" {}", unit);
   return is_automatic ? text + " (automatic)" : text;
 }
 
@@ -37,18 +39,18 @@ std::string threshold_text(const Result& result, const SequenceQuerySettings& se
 
 std::string settings_text(const Result& result, const SequenceQuerySettings& settings) {
   const Rule& rule = settings.rule;
-  std::string text = method_of(rule);
-  if (!has_paths(rule))
-    text += fmt::format(", c_l {}, {}", window_length_of(rule), enum_name(score_of(rule)));
+  std::string text = method_text(settings);
+  if (!has_paths(rule)) text += fmt::format(", c_l {}", window_length_of(rule));
   const bool has_margin = decision_of(rule) == Decision::margin;
   return text + ", " +
-         (has_margin ? "margin " + limit_text<&ComparedSequence::margin>(result, !limit_of(rule))
+         (has_margin ? "margin " + limit_text<&ComparedSequence::margin>(result, !limit_of(rule),
+                                                                         result.score().margin_unit)
                      : threshold_text(result, settings));
 }
 
 std::string settings_text(const Result&, const FabmapQuerySettings& settings) {
-  return fmt::format("{}, t_p {:g}, c_w {}", settings.variant, settings.place_threshold,
-                     settings.window);
+  return fmt::format("{} ({}), t_p {:g}, c_w {}", method_text(settings), settings.variant,
+                     settings.place_threshold, settings.window);
 }
 
 // "64-137", or "64" for a single frame.
@@ -96,6 +98,16 @@ std::vector<RecognizedRange> place_ranges(const Result& result) {
 }
 
 }  // namespace
+
+std::string method_text(const QuerySettings& settings) {
+  const auto* sequences = std::get_if<SequenceQuerySettings>(&settings);
+  if (sequences == nullptr) return "FAB-MAP";
+  const Rule& rule = sequences->rule;
+  if (has_paths(rule)) return "filter";
+  if (is_zscore(rule)) return "z-score windows";
+  const std::string& method = method_of(rule);
+  return method == "openable" ? "OpenABLE" : method == kLshMethod ? "FastABLE by LSH" : "FastABLE";
+}
 
 std::string settings_text(const Result& result) {
   return std::visit([&](const auto& settings) { return settings_text(result, settings); },

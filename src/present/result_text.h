@@ -8,9 +8,13 @@
 
 namespace vpr {
 
-/// The settings in force on one line: "fastable, c_l 40, raw distances, t_r 0.725 (relative)". The
+/// The settings in force on one line: "FastABLE, c_l 40, t_r 0.725 relative". The
 /// thresholds and margins of automatic settings are those of the result.
 std::string settings_text(const Result& result);
+
+/// The name of the method for readers: filter, z-score windows, FastABLE, FAB-MAP; OpenABLE and LSH
+/// are ways to compute FastABLE's windows.
+std::string method_text(const QuerySettings& settings);
 
 /// Whether the result can have recognitions: false for best matches without a threshold or margin.
 bool has_rule(const Result& result);

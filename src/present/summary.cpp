@@ -10,8 +10,8 @@
 namespace vpr {
 namespace {
 
-// " The first, frame 29, is confirmed at frame 49 (2.4 s), 20 frames later." After incorrect ones:
-// " The first correct one, frame ..."
+// " The first is confirmed at frame 49 (2.4 s), for frame 29 on." After incorrect ones: " The first
+// correct one ..."
 std::string first_of(const Judgment& judgment, std::optional<double> frames_per_second) {
   if (!judgment.localization.first_recognition_frames) return "";
   const size_t confirmed = *judgment.localization.first_recognition_frames;
@@ -25,8 +25,8 @@ std::string first_of(const Judgment& judgment, std::optional<double> frames_per_
           ? fmt::format(" ({:.1f} s)", static_cast<double>(confirmed) / *frames_per_second)
           : "";
   if (first == confirmed) return fmt::format(" {} is confirmed at frame {}{}.", which, first, time);
-  return fmt::format(" {}, frame {}, is confirmed at frame {}{}, {} later.", which, first,
-                     confirmed, time, counted(confirmed - first, "frame"));
+  return fmt::format(" {} is confirmed at frame {}{}, for frame {} on.", which, confirmed, time,
+                     first);
 }
 
 // "; 12 frames can be accepted before the first mistake (...)"; empty without a mistake, and if all

@@ -172,15 +172,16 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
     if (const std::string sparse = sparse_advice(database, query, settings, resources, monitor);
         !sparse.empty())
       return sparse;
+    const size_t fewest = std::min(keyframes, trained);
     return fmt::format(
-        "The filter recognizes {} at 0.5 to 2 times the trained speed, and fewer than a quarter "
-        "in the opposite direction, or with every second or third frame of either side: {} may "
-        "show another place{}.",
-        recognized_text(forward), forward.recognitions.empty() ? "the query" : "the others",
-        std::min(keyframes, trained) < kSlowStart * needed
-            ? fmt::format(", or {} {} keyframes are too few for a decision, which needs up to {}",
-                          keyframes <= trained ? "its" : "the training sequence's",
-                          std::min(keyframes, trained), kSlowStart * needed)
+        "{} matches: not forward, not backward, not at half or twice the speed. {} may show "
+        "another place{}.",
+        forward.recognitions.empty() ? "Nothing" : "Nothing else",
+        forward.recognitions.empty() ? "The query" : "The other frames",
+        fewest < kSlowStart * needed
+            ? fmt::format(", or the {} keyframes of the {} are too few: a decision needs up to {}",
+                          fewest, keyframes <= trained ? "query" : "training sequence",
+                          kSlowStart * needed)
             : "");
   }
   const auto speed = recognized_speed(forward);

@@ -362,6 +362,10 @@ void read_arrays(const fs::path& path, const FileEntries& entries, const JsonSou
       source.fail(fmt::format("{}.npy {}", array.name, damage));
     };
     const fs::path file = array_path(path, array.name);
+    std::error_code unknown;
+    if (!fs::exists(file, unknown))
+      throw Error(ErrorKind::input, "{} needs {} next to it", path.string(),
+                  file.filename().string());
     const NpyArray read(file);
     if (checksum(read.file_bytes()) != entry->second.checksum)
       throw Error(ErrorKind::data,

@@ -33,7 +33,7 @@ double deviations_per_frame(double sum, size_t window_length) {
 }
 
 // The deviation of a mean of c_l independent distances, or z, is proportional to 1 / sqrt(c_l).
-// Above every margin between floors that look alike (docs/experiments/margins.md).
+// Above every margin between floors that look alike (docs/benchmarks/why-these-defaults.md).
 constexpr double kMarginShare = 0.75;
 constexpr double kMarginDeviations = 5.1;
 

@@ -11,13 +11,13 @@ constexpr uint32_t kOnline = in(QueryCommand::live, QueryCommand::loops);
 constexpr std::array kSequenceRows = {
     SettingRow{.key = "c_l",
                .commands = kQuery | kOnline,
-               .help = "window length c_l, selects fastable (default: {}); in frames",
+               .help = "window length c_l in frames, selects FastABLE (default: {})",
                .is_for_windows = true,
                .instead = "Omit it, or use --method fastable."},
     SettingRow{.key = "t_r",
                .commands = kQuery | kOnline,
                .help =
-                   "threshold t_r of windows, selects fastable; a number, or auto, the smallest "
+                   "threshold t_r of windows, selects FastABLE; a number, or auto, the smallest "
                    "distance between two or more training sequences of a database",
                .is_for_windows = true,
                .instead = "Use --margin, or --method fastable with --decide threshold."},
@@ -60,14 +60,15 @@ constexpr std::array kSequenceRows = {
                .help = "scale of t_r: bits (D / c_l), or mean-z, which z-scores always have",
                .value = "bits|mean-z",
                .is_for_windows = true},
-    SettingRow{
-        .key = "margin",
-        .group = kWindowGroup,
-        .commands = kQuery | kOnline,
-        .help = "minimum difference of best match and runner-up, in score per frame (default: "
-                "14 for the filter, 5.1 / sqrt(c_l) deviations for z-scores, and 0.75 / sqrt(c_l) "
-                "of the typical distance for raw distances)",
-        .instead = "Use --decide margin."},
+    SettingRow{.key = "margin",
+               .group = kWindowGroup,
+               .commands = kQuery | kOnline,
+               .help =
+                   "minimum difference of best match and runner-up; for the filter in deviations "
+                   "(default: 14), for z-score windows in deviations per frame (default: 5.1 / "
+                   "sqrt(c_l)), for FastABLE in bits per frame (default: 0.75 / sqrt(c_l) of the "
+                   "typical distance)",
+               .instead = "Use --decide margin."},
     SettingRow{.key = "same_place",
                .group = kWindowGroup,
                .commands = kQuery | in(QueryCommand::sweep),
@@ -94,7 +95,7 @@ constexpr std::array kSequenceRows = {
     SettingRow{.key = "descriptor",
                .group = kQueryGroup,
                .commands = in(QueryCommand::loops),
-               .help = "descriptor of frames, as in vpr-train fastable (default: ldb; vectors with "
+               .help = "descriptor of frames, as in vpr-train images (default: ldb; vectors with "
                        "--query-npy)",
                .instead = "Use it with vpr-query loops and without a database."},
 };

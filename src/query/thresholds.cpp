@@ -102,10 +102,9 @@ std::optional<double> automatic_threshold(const ThresholdTable& table, size_t se
 
 void check_automatic(const SequenceDatabase& database, const SequenceQuerySettings& settings) {
   if (has_automatic_threshold(settings) && database.sequences.size() < 2)
-    throw Error(
-        ErrorKind::usage,
-        "the automatic t_r needs two or more training sequences. Instead, vpr-query takes a "
-        "number (--t-r), or --score zscore --decide margin.");
+    throw Error(ErrorKind::usage,
+                "an automatic t_r needs two or more training sequences, and the database has one. "
+                "For vpr-query --c-l, add --t-r 0.6, or --score zscore --decide margin");
 }
 
 bool is_same_place(double frame_distance, double mean_distance, size_t window_length) {

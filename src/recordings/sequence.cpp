@@ -203,8 +203,7 @@ std::string range_hint(const std::filesystem::path& path) {
 
 std::string range_text(const FrameRange& range) {
   if (range.is_all()) return "";
-  return fmt::format("@{}:{}{}", range.first == 0 ? "" : std::to_string(range.first),
-                     range.last ? std::to_string(*range.last) : "",
+  return fmt::format("@{}:{}{}", range.first, range.last ? std::to_string(*range.last) : "",
                      range.step == 1 ? "" : fmt::format(":{}", range.step));
 }
 

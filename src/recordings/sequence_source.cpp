@@ -134,8 +134,9 @@ std::vector<Name> apply_range(const std::vector<Name>& all, const SequenceArgume
   const FrameRange& range = argument.range;
   const uint64_t last = range.last.value_or(all.size());
   if (range.first >= all.size() || last > all.size())
-    throw Error(ErrorKind::usage, "{}: has {}, which the range {} exceeds", argument.path.string(),
-                counted(all.size(), "frame"), range_text(range));
+    throw Error(ErrorKind::usage, "{0}{1} exceeds its {2}. {0}@0:{3} has all of them",
+                argument.path.string(), range_text(range), counted(all.size(), "frame"),
+                all.size());
   std::vector<Name> names;
   for (uint64_t i = range.first; i < last; i += std::min(range.step, last - i))
     names.push_back(all[i]);
@@ -161,8 +162,7 @@ struct SequenceName {
   std::vector<std::string> parts;  // own name first, then parents
   size_t used = 1;                 // parts
   bool with_extension = false;
-  std::string range;
-  bool with_range = false;
+  std::string range;  // empty for all frames
 };
 
 // Results are JSON, which is UTF-8: other bytes become %XX.
@@ -180,7 +180,7 @@ SequenceName make_name(const SequenceArgument& argument) {
   SequenceName name;
   name.path = fs::absolute(argument.path, error).lexically_normal();
   if (!name.path.has_filename()) name.path = name.path.parent_path();
-  name.range = range_text(argument.range);
+  if (!argument.range.is_all()) name.range = range_text(argument.range);
   const bool is_folder = fs::is_directory(name.path, error);
   name.parts.push_back(as_utf8((is_folder ? name.path.filename() : name.path.stem()).string()));
   for (fs::path parent = name.path.parent_path(); parent.has_filename();
@@ -193,11 +193,11 @@ std::string name_text(const SequenceName& name) {
   std::string text =
       name.with_extension ? as_utf8(name.path.filename().string()) : name.parts.front();
   for (size_t k = 1; k < name.used; ++k) text = fmt::format("{}/{}", name.parts[k], text);
-  return name.with_range ? text + name.range : text;
+  return text + name.range;
 }
 
-// Extends the names of a group by one step: ranges of one path, extensions of one folder, otherwise
-// a parent. Returns false if nothing is left to add.
+// Extends the names of a group by one step: extensions of one folder, otherwise a parent. Returns
+// false if nothing is left to add.
 bool distinguish(std::vector<SequenceName>& names, const std::vector<size_t>& group) {
   const SequenceName& first = names[group.front()];
   bool same_path = group.size() > 1;
@@ -214,8 +214,6 @@ bool distinguish(std::vector<SequenceName>& names, const std::vector<size_t>& gr
     } else if (!same_path && name.used < name.parts.size()) {
       ++name.used;
       changed = true;
-    } else if (!name.with_range && !name.range.empty()) {
-      changed = name.with_range = true;
     }
   }
   return changed;

@@ -115,7 +115,7 @@ std::string pairs_protocol(const GroundTruthBuilder& builder, size_t pairs) {
   const std::string text = "pairs: " + counted(pairs, "labeled pair");
   const auto tolerance = static_cast<uint64_t>(builder.argument().tolerance_frames);
   if (tolerance == 0) return text;
-  return fmt::format("{}, references within {} of one count", text, counted(tolerance, "frame"));
+  return fmt::format("{}, each widened by {}", text, counted(tolerance, "training frame"));
 }
 
 std::string read_pairs_in_memory(GroundTruthBuilder& builder, std::span<const PlacePair> pairs) {

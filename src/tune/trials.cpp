@@ -8,6 +8,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "present/evaluation_text.h"
+#include "present/result_text.h"
 #include "present/summary.h"
 #include "query/advice.h"
 #include "query/train_sequences.h"
@@ -74,10 +75,10 @@ void run_trial(Trial& trial, const std::vector<Query>& queries, const Monitor& t
 
 std::string name_of(const SequenceQuerySettings& settings) {
   const Rule& rule = settings.rule;
-  if (has_paths(rule)) return method_of(rule);
+  if (has_paths(rule)) return method_text(settings);
   if (decision_of(rule) == Decision::threshold)
     return fmt::format("FastABLE, c_l {}, t_r {:g}", window_length_of(rule), *limit_of(rule));
-  return fmt::format("windows of {}", window_length_of(rule));
+  return fmt::format("{}, c_l {}", method_text(settings), window_length_of(rule));
 }
 
 // The settings of the best cell over all queries.

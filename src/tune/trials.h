@@ -17,7 +17,7 @@ namespace vpr {
 
 /// One setting on all queries.
 struct Trial {
-  std::string name;  ///< for tables: "windows of 40"
+  std::string name;  ///< for tables: "z-score windows, c_l 40"
   QuerySettings settings;
   bool is_tuned = false;            ///< its threshold is chosen by the ground truth
   std::vector<FrameCounts> counts;  ///< by query
@@ -44,7 +44,7 @@ Trial try_setting(const SequenceDatabase& database, const std::vector<LabeledQue
                   const SequenceQuerySettings& settings, const QueryResources& resources,
                   const Monitor& monitor, const Monitor& truth_monitor);
 
-/// Tries the filter, windows of z-scores by margin, and FastABLE's raw distances by t_r, each at
+/// Tries the filter, z-score windows by margin, and FastABLE's raw distances by t_r, each at
 /// its best cell of a small grid (best_counts). Windows are omitted if no c_l of the grid fits, or,
 /// with a warning, if their recognitions exceed the memory. `base`: skip_unreadable and the
 /// training sequences to search. The database has statistics (ensure_statistics). Throws what

@@ -85,7 +85,7 @@ struct Frames {
 std::vector<NamedArgument> named_arguments(const std::vector<Frames>& frames,
                                            const std::string& array_name);
 
-/// As vpr-train fastable and descriptors or, with pretraining sequences, vpr-train fabmap.
+/// As vpr-train images and descriptors or, with pretraining sequences, vpr-train fabmap.
 DatabasePointer train(Keywords& keywords, std::vector<NamedArgument> sequences,
                       const std::vector<SequenceArgument>& pretrain, const Monitor& monitor);
 DatabasePointer read_database(const std::filesystem::path& path);

@@ -174,7 +174,7 @@ struct Pair {
   std::string sequence = {};  ///< of training; empty: the only one
 };
 
-/// Trains a database with the settings of vpr-train fastable or descriptors: descriptor, c_l, fps,
+/// Trains a database with the settings of vpr-train images or descriptors: descriptor, c_l, fps,
 /// metric, ... With `pretrain`, frames of other places, those of vpr-train fabmap.
 Database train(const std::vector<Sequence>& sequences, const Settings& settings = {},
                const Monitor& monitor = {}, const std::vector<Sequence>& pretrain = {});

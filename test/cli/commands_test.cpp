@@ -75,7 +75,7 @@ TEST_CASE("adding a sequence yields the database of training both together") {
   CHECK(info["descriptor"] == "ldb+hog");
   CHECK(printed_json(
             "vpr-train add a.vprdb --train $one@0:20 -o x.vprdb --json")["sequences"][1]["name"] ==
-        "walk/one");
+        "one@0:20");
 }
 
 TEST_CASE("each subfolder is a training sequence with --train-folders") {
@@ -147,13 +147,13 @@ TEST_CASE("a database and a query are sufficient") {
   const auto query = run_ok(kQuery);
   CHECK(query.out.starts_with("Recognized "));
   CHECK(has(query.out, " = one "));  // a range of the sequence "one"
-  CHECK(has(query.out, "\nSettings: fastable, c_l 10, raw, t_r "));
+  CHECK(has(query.out, "\nSettings: FastABLE, c_l 10, t_r "));
   run_ok("vpr-train fastable --train $one --c-l 10 -o one.vprdb");
   const std::string words = "vpr-query one.vprdb --query $back --c-l 10";
   check_failure(
       words, 2,
-      "the automatic t_r needs two or more training sequences. Instead, vpr-query takes a "
-      "number (--t-r), or --score zscore --decide margin.");
+      "an automatic t_r needs two or more training sequences, and the database has one. For "
+      "vpr-query --c-l, add --t-r 0.6, or --score zscore --decide margin");
   CHECK(has(run_ok(words + " --score zscore --decide margin").out, " = one "));
 }
 
@@ -166,7 +166,7 @@ TEST_CASE(
   };
   const auto is_answer = [&](const std::string& text, const std::string& part) {
     CHECK(has(text, part));
-    CHECK(has(text, "\nSettings: filter, margin 14\n"));
+    CHECK(has(text, "\nSettings: filter, margin 14 deviations\n"));
     check_screen(text);
   };
   is_answer(query("one"), ", 1.0x\n");

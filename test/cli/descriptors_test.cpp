@@ -58,7 +58,7 @@ TEST_CASE("a database of imported descriptors reports its content") {
   CHECK(narrow["sequences"][1]["name"] == "two");
   CHECK(narrow["sequences"][1]["frames"] == 32);
   const auto text = run("vpr-train info db16.vprdb");
-  CHECK(has(text.out, "2 sequences, 60 frames, vectors of 48 numbers"));
+  CHECK(has(text.out, "2 sequences, 60 frames, 48 numbers each (vectors)"));
   CHECK(read_text("db8.vprdb/frames.txt") == read_text("names.txt"));
 }
 

@@ -94,7 +94,7 @@ TEST_CASE("a result is summed up in 12 lines of 80 columns, with its incorrect r
   check_screen(text);
   CHECK(text.starts_with("1 of 3 frames with a match recognized, 1 of them incorrectly;"));
   for (const std::string& part :
-       Words{"\n  settings      fastable, c_l 3, raw, t_r 0.9 relative\n", ": incorrect",
+       Words{"\n  settings      FastABLE, c_l 3, t_r 0.9 relative\n", ": incorrect",
              "next: compare methods with\n  vpr-tune " + world().database()})
     CHECK(has(text, part));
 }
@@ -121,7 +121,8 @@ TEST_CASE("incorrect recognitions or best matches within a larger tolerance are 
   write_array("s.npy", scores, {20, 20});
   const std::string eval = "vpr-eval matrix s.npy" + kAligned;
   CHECK(run_ok(eval).err ==
-        "warning: all 2 incorrect best matches are within 2 frames of the truth\n");
+        "warning: all 2 incorrect best matches are within 2 frames of the truth. If that is the "
+        "same place, use --tolerance 2\n");
   CHECK(run_ok(eval + "--tolerance 2").err.empty());
 }
 
@@ -153,7 +154,7 @@ TEST_CASE("CSV has everything in one row, and -v prints one table each after a s
   CHECK(has(row, "R@10,"));
   const std::string brief = run_ok(scored()).out;
   CHECK(has(brief, "\n  recall        R@1 0.7500, R@5 0.7500, R@10 0.8333, R@20 1.0000\n"));
-  CHECK(has(brief, "\n  curve         AP 0.6962, R@100P 0.3333\n"));
+  CHECK(has(brief, "\n  ranking       AP 0.6962, R@100P 0.3333\n"));
   check_screen(brief);
   CHECK_FALSE(has(brief, "Recall@K"));
   const std::string text = run_ok(scored("-v")).out;

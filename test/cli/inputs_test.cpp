@@ -65,7 +65,9 @@ TEST_CASE("a shifted ground truth is distinguished from a failing method") {
     return ok(evaluate("matrix " + scores + " --distance --ground-truth aligned", more)).err;
   };
   const std::string off = distances(20, 22, 1, 2);
-  CHECK(warning(off, "") == "warning: all 20 best matches are within 2 frames of the truth\n");
+  CHECK(warning(off, "") ==
+        "warning: all 20 best matches are within 2 frames of the truth. If that is the same place, "
+        "use --tolerance 2\n");
   CHECK(warning(off, "--tolerance 2").empty());
   const std::string fast = distances(20, 40, 2);
   CHECK(warning(fast, "--tolerance 1") ==

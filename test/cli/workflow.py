@@ -114,7 +114,7 @@ def check_page():
     swept = read_json("out/sweeps/told/back/own/mine-s1.json")
     best = swept["cells"][swept["queries"][0]["recommended"]]
     assert f"recommended: c_l {best['c_l']}, t_r {best['t_r']:.4g}<" in page, best
-    assert "references within 1 frame" in json.dumps(swept["queries"]), swept["queries"]
+    assert "each widened by 1 training frame" in json.dumps(swept["queries"]), swept["queries"]
     assert f"<td>{report['counts']['pairs']['correct']}</td>" in page, "counts are missing"
 
 

@@ -90,7 +90,7 @@ TEST_CASE(
     REQUIRE(ours.p[q] == Approx(loop.tree.p[q]).margin(1e-12));
 }
 
-// Counts depend on the seed of k-means; docs/experiments/fabmap.md has others.
+// Counts depend on the seed of k-means; docs/benchmarks/why-these-defaults.md has others.
 TEST_CASE("our own vocabulary recognizes the second lap") {
   const auto tower = real_data("data/tower");
   const auto loop = real_data("data/loop");

@@ -157,7 +157,8 @@ TEST_CASE("sequences are named by their folder, with parents if two are equal") 
   CHECK(names({"/d/monday", "/d/tuesday/"}) == std::vector<std::string>{"monday", "tuesday"});
   CHECK(names({"/a/ref", "/b/ref", "/c"}) == std::vector<std::string>{"a/ref", "b/ref", "c"});
   CHECK(names({"/a/x/ref", "/b/x/ref"}) == std::vector<std::string>{"a/x/ref", "b/x/ref"});
-  CHECK(names({"/a/w@0:5", "/a/w@5:9"}) == std::vector<std::string>{"w@:5", "w@5:9"});
+  CHECK(names({"/a/w@0:5", "/a/w@5:9"}) == std::vector<std::string>{"w@0:5", "w@5:9"});
+  CHECK(names({"/a/w@0:5"}) == std::vector<std::string>{"w@0:5"});
   CHECK(names({"/a/list.txt"}) == std::vector<std::string>{"list"});
   CHECK(names({"/a/w.txt", "/a/w.mp4"}) == std::vector<std::string>{"w.txt", "w.mp4"});
   CHECK(names({"/a/bad\xff"}) == std::vector<std::string>{"bad%FF"});

@@ -310,7 +310,7 @@ def train(images: Any = None, *, descriptors: Any = None, pretrain: Any = None,
         mapping from names. descriptors: likewise .npy files or arrays, n x d values (float16,
         float32 or float64) or bits (uint8 with 8 per value, or bool). A C-contiguous uint8 array
         with a multiple of 8 columns is used in place: do not change it later.
-    Settings: those of vpr-train fastable and descriptors, such as descriptor, c_l, fps, metric and
+    Settings: those of vpr-train images and descriptors, such as descriptor, c_l, fps, metric and
         value_bits. With pretrain (frames of other places), those of vpr-train fabmap.
 
     >>> db = vpr.train(descriptors=monday)
