@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The whole path from images to a table of counts:
-#   scripts/demo.sh                  on a small building, rendered for the demo
+#   scripts/demo.sh                  on the photographs of data/example, then on a rendered building with maps
 #   scripts/demo.sh DATASET.json     on a data set description of your own
 # Results stay in out/demo.
 set -euo pipefail
@@ -14,13 +14,17 @@ out=out/demo
 mkdir -p "$out"
 
 if [[ -z $dataset ]]; then
-  echo; echo "== render walks through a small building (no recording of a real one is needed)"
+  echo; echo "== photographs of an office corridor: train the first lap, recognize the second, evaluate"
+  "$bin/vpr-train" images --train data/example/monday -o "$out/example.vprdb" --force
+  "$bin/vpr-query" "$out/example.vprdb" --query data/example/tuesday -o "$out/example.json" --force
+  "$bin/vpr-eval" "$out/example.json" --ground-truth data/example/pairs.csv --html "$out/example.html" --force
+  echo; echo "== render walks through a small building, for maps"
   "$bin/vpr-synth" configs/worlds/small.json -o "$out/building" --force
   dataset=$out/building/dataset.json
 fi
 
 echo; echo "== train"
-"$bin/vpr-train" fastable --dataset "$dataset" -o "$out/demo.vprdb" --force
+"$bin/vpr-train" images --dataset "$dataset" -o "$out/demo.vprdb" --force
 
 # Each query's name, and whether it has a ground truth.
 mapfile -t queries < <(python3 -c '

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Runs the shell steps of docs/guide/ci/recognition.yml on a rendered building as in CI, except the
-one that builds the toolkit.   ci_workflow.py SOURCE BIN"""
+"""Runs the shell steps of docs/guide/ci/recognition.yml on data/example as in CI, except the one that
+builds the toolkit.   ci_workflow.py SOURCE BIN"""
 import xml.etree.ElementTree as xml
 
 from support import call, folder, ok, programs, read_json, source, with_path, write
@@ -29,12 +29,7 @@ def shell(script):
 
 steps = dict(steps_of((source / "docs/guide/ci/recognition.yml").read_text()))
 assert list(steps) == ["Install the toolkit", "Train", "Recognize", "Judge"], list(steps)
-ok(shell(f"vpr-synth {source}/configs/worlds/building.json -o world --quiet && cp -r world/* ."))
-dataset = read_json("dataset.json")
-dataset["queries"] = [query for query in dataset["queries"] if query["name"] == "tuesday"]
-dataset["queries"][0]["name"] = "walk"
-assert len(dataset["train"]) == 1, dataset["train"]
-write("walks.json", dataset)
+ok(shell(f"cp -r {source}/data/example/* ."))
 for name in ("Train", "Recognize"):
     ok(shell(steps[name]))
 baseline, judge = steps["Judge"].replace("--junit junit.xml", "--update"), steps["Judge"] + " --force"

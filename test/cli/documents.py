@@ -1,19 +1,16 @@
 #!/usr/bin/env python3
 """The commands of README and guide, exactly as printed, run and recognize places; the report has every
-number of the worked example.   documents.py SOURCE BIN [real]: only README, with a real corridor"""
-import csv
-import os
+number of the worked example.   documents.py SOURCE BIN"""
+import math
 import pathlib
 import struct
-import sys
 import tempfile
 
 import numpy
 from PIL import Image
 
-from support import call, folder, ok, programs, read_json, run, skip, source, with_path, write
+from support import call, folder, ok, programs, read_json, run, source, with_path, write
 
-TUESDAY_FRAMES = 90
 recordings = folder / "recordings"
 recordings.mkdir()
 
@@ -35,13 +32,15 @@ def read_page(path):
     return "\n".join(commands), untested
 
 
-def link_walk(walk, name, most=None):
-    """Links to the first frames of a rendered walk, and their poses as a TUM trajectory."""
-    (recordings / name).mkdir()
-    for frame in sorted(walk.glob("*.jpg"))[:most]:
-        (recordings / name / frame.name).symlink_to(frame)
-    poses = list(csv.DictReader((walk / "poses.csv").open()))[:most]
-    write(recordings / f"{name}.tum", "".join(f"{at['time']} {at['x']} {at['y']} 0 0 0 0 1\n" for at in poses))
+def link_example():
+    """Links to the images of data/example, and their poses on a ring as a TUM trajectory."""
+    example = source / "data/example"
+    for name in ("monday", "tuesday", "wednesday", "pairs.csv"):
+        (recordings / name).symlink_to(example / name)
+    for name in ("monday", "tuesday"):
+        angles = (2 * math.pi * frame / 40 for frame in range(40))
+        write(recordings / f"{name}.tum", "".join(
+            f"{frame} {3 * math.cos(angle)} {3 * math.sin(angle)} 0 0 0 0 1\n" for frame, angle in enumerate(angles)))
 
 
 def descriptors(name):
@@ -76,22 +75,9 @@ def derive():
 
 
 def render():
-    small = source / "configs/worlds/small.json"
-    run("vpr-synth", small, "-o", recordings / "building")
-    for walk, name, most in (("corridor", "monday", None), ("upstairs", "upstairs", None),
-                             ("query", "tuesday", TUESDAY_FRAMES)):
-        link_walk(recordings / "building" / walk, name, most)
-    truth = csv.DictReader((recordings / "building/query.ground_truth.csv").open())
-    write(recordings / "pairs.csv", "query,reference\n" + "".join(
-        f"{pair['query']},{pair['reference']}\n" for pair in truth if pair["sequence"] == "corridor"
-        and pair["label"] == "same" and int(pair["query"]) < TUESDAY_FRAMES))
-    lap = {key: value for key, value in read_json(small).items() if key != "places"}
-    lap["floors"] = [{"name": "hall", "rooms": [{"kind": "hall", "x": 0, "y": 0, "width": 10, "depth": 6}]}]
-    lap["walks"] = [{"name": "lap", "use": "train", "floor": "hall", "speed_m_s": 1.6, "path": [
-        [1.5, 1.5], [8.5, 1.5], [8.5, 4.5], [1.5, 4.5], [1.5, 1.5], [8.5, 1.5], [8.5, 4.5]]}]
-    run("vpr-synth", write("lap.json", lap), "-o", "laps")
-    link_walk(folder / "laps/lap", "lap")
-    derive()
+    """The building for maps, and its floor above as another place."""
+    run("vpr-synth", source / "configs/worlds/small.json", "-o", recordings / "building")
+    (recordings / "upstairs").symlink_to(recordings / "building/upstairs")
 
 
 def run_page(path):
@@ -101,11 +87,11 @@ def run_page(path):
         for one in recordings.iterdir():
             (pathlib.Path(place) / one.name).symlink_to(one)
         done = ok(call("bash", "-euo", "pipefail", "-c", commands, cwd=place, env=with_path(programs)))
-    if path.name == "README.md":
+    if path.parent == source:
         text = " ".join(done.stdout.split())
         assert " frames of tuesday:" in text and " recognized, all correctly." in text, text
-    # A test has neither a camera nor a cluster; scripts/workflow/slurm/try.sh tests the commands of the latter.
-    assert path.name == "clusters.md" or all("/dev/video" in command for command in untested), untested
+    # A test has neither a camera nor other recordings.
+    assert path.name in ("check-claims.md", "record.md") or all("/dev/video" in command for command in untested), untested
 
 
 def worked_example():
@@ -134,16 +120,9 @@ def worked_example():
     assert checked == 23, checked
 
 
-if sys.argv[3:] == ["real"]:
-    corridor = pathlib.Path(os.environ.get("VPR_TEST_DATA", source / "../shared")).resolve() / "data/corridor"
-    if not corridor.exists():
-        skip(f"there is no {corridor}")
-    for real, link in (("ref", "monday"), ("query", "tuesday"), ("ground_truth.csv", "pairs.csv")):
-        (recordings / link).symlink_to(corridor / real)
-    derive()
-    run_page(source / "README.md")
-else:
-    render()
-    worked_example()
-    for page in (source / "README.md", *sorted((source / "docs/guide").glob("*.md"))):
-        run_page(page)
+link_example()
+derive()
+render()
+worked_example()
+for page in (source / "README.md", source / "configs/worlds/README.md", *sorted((source / "docs/guide").glob("*.md"))):
+    run_page(page)
