@@ -1,18 +1,17 @@
 #!/usr/bin/env bash
-# Draws the images of README and docs from the rendered small building (configs/worlds/small.json):
-#   scripts/docs-images.sh [BIN [DATA]]    programs in BIN (default: build/release/bin)
-# With DATA (docs/benchmarks/datasets.md), also README's image, from the loop.
+# Draws README's image from data/example, and those of docs from the rendered small building:
+#   scripts/docs-images.sh [BIN]    programs in BIN (default: build/release/bin)
 set -euo pipefail
 cd "$(dirname "$0")/.."
+root=$PWD
 bin=$(realpath "${1:-build/release/bin}")
 images=$PWD/docs/images
-data=${2:+$(realpath "$2")}
 mkdir -p "$images"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 "$bin/vpr-synth" configs/worlds/small.json -o "$work/building" --quiet
 cd "$work"
-"$bin/vpr-train" fastable --dataset building/dataset.json -o small.vprdb --quiet
+"$bin/vpr-train" images --dataset building/dataset.json -o small.vprdb --quiet
 
 # answer NAME FLAG...: queries the database, and evaluates the result with map and plots.
 answer() {
@@ -30,28 +29,19 @@ cp filter.map/map.svg "$images/map.svg"
 cp varying.plot/timeline.svg "$images/timeline.svg"
 cp windows.plot/matrix.png "$images/matrix.png"
 
-if [[ -n $data ]]; then
-  ln -s "$data/loop/images" loop
-  "$bin/vpr-train" fastable --train loop@0:40 -o loop.vprdb --quiet
-  "$bin/vpr-query" loop.vprdb --query loop@40:80 -o loop.json --quiet
-  /usr/bin/python3 - "$images/laps.jpg" <<'PYTHON'
-import glob, sys
-import numpy as np
-from PIL import Image, ImageDraw, ImageFont
-
-frames = sorted(glob.glob("loop/*"), key=lambda path: int(path.split("/")[1].split(".")[0]))
-matches = {int(query): int(train) for query, train in np.load("loop.recognitions.npy")[:, [0, -1]]}
-shown = [11, 14, 17, 23, 29]
-width, height, label = 240, 180, 30
-canvas = Image.new("RGB", (width * len(shown), 2 * (height + label)), "white")
-draw = ImageDraw.Draw(canvas)
-font = ImageFont.truetype("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", 15)
-for column, query in enumerate(shown):
-    for row, (frame, text) in enumerate([(40 + query, "second lap, frame"), (matches[query], "first lap, frame")]):
-        at = (column * width, row * (height + label))
-        canvas.paste(Image.open(frames[frame]).convert("RGB").resize((width - 4, height), Image.LANCZOS), at)
-        draw.text((at[0] + 4, at[1] + height + 5), f"{text} {frame}", fill="black", font=font)
-canvas.save(sys.argv[1], quality=85)
-PYTHON
+cd "$root"
+/usr/bin/python3 scripts/example_picture.py "$bin" "$images/example.jpg"
+cp -r data/example "$work/example"
+cd "$work/example"
+"$bin/vpr-train" images --train monday -o corridor.vprdb --quiet
+"$bin/vpr-query" corridor.vprdb --query tuesday -o result.json --quiet
+"$bin/vpr-eval" result.json --ground-truth pairs.csv --html page.html --quiet
+if command -v chromium >/dev/null; then
+  chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1280,1560 \
+    --screenshot="$work/page.png" "file://$work/example/page.html" >/dev/null 2>&1
+  /usr/bin/python3 -c 'import sys; from PIL import Image; Image.open(sys.argv[1]).convert("RGB").save(sys.argv[2], quality=80)' \
+    "$work/page.png" "$images/page.jpg"
+else
+  echo "chromium is missing: $images/page.jpg is not drawn" >&2
 fi
 du -cb "$images"/*

@@ -4,10 +4,8 @@
 #   docs/schemas/*.schema.json        from docs/schemas/*.txt
 #   docs/reference/command-line.md    from --help
 #   docs/reference/python.md          from the docstrings of vpr
-#   docs/images                       from the rendered small building
+#   docs/images                       from data/example and the rendered small building
 #   test/golden/*.crc                 checksums of numbers
-#
-#   scripts/generate.sh [DATA]        with DATA (docs/benchmarks/datasets.md), also README's image
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install-deps.sh
@@ -19,6 +17,6 @@ VPR_SCHEMAS=write "$bin/test_cli" "settings are described*" >/dev/null
 scripts/schemas.py
 scripts/command_line.py
 scripts/python_reference.py
-scripts/docs-images.sh "$bin" "$@"
+scripts/docs-images.sh "$bin"
 VPR_GOLDEN=write "$bin/test_golden" "*golden file*" >/dev/null
 git diff --stat -- docs test/golden
