@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """check_language.py [PATH...]: finds phrases that are not plain American English.
 
-Checks Markdown, and comments and messages in code; by default all files except docs/experiments.
+Checks Markdown, and comments and messages in code; by default all files.
 Exits with 1 if there are findings."""
 import pathlib, re, subprocess, sys
 
@@ -64,7 +64,7 @@ def prose(path):
 
 
 def main():
-    roots = sys.argv[1:] or ['.', ':!docs/experiments']
+    roots = sys.argv[1:] or ['.']
     names = subprocess.run(['git', 'ls-files', '--', *roots], capture_output=True, text=True, check=True).stdout
     paths = [path for path in map(pathlib.Path, names.splitlines()) if path.suffix in SUFFIXES and path.is_file()]
     bad = 0
