@@ -47,7 +47,7 @@ TEST_CASE("a range is separated from the path") {
   CHECK(parse_sequence_argument("walk@5:").range == FrameRange{5, std::nullopt, 1});
   CHECK(parse_sequence_argument("walk@::2").range == FrameRange{0, std::nullopt, 2});
   CHECK(range_text({10, 20, 3}) == "@10:20:3");
-  CHECK(range_text({0, std::nullopt, 2}) == "@::2");
+  CHECK(range_text({0, std::nullopt, 2}) == "@0::2");
 }
 
 TEST_CASE("an at sign that starts no range is part of the path") {
