@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Fetches published data sets from their authors' addresses, and unpacks them.
 #   scripts/fetch-data.sh [NAME ...] [--to DIR]
-# Names: put-mc-floor1 vpr-bench gardens-point st-lucia sfu (default: all). DIR: data/downloads.
+# Names: put-mc-floor1 vpr-bench nordland loop tower gardens-point st-lucia sfu (default: all). DIR: data/downloads.
 # Resumes interrupted downloads. Unpacks an archive only if its size is correct.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -9,6 +9,9 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 declare -A address=(
   [put-mc-floor1]=http://lrm.put.poznan.pl/files/Preludium/SP_PUT_CM_1.tar.gz
   [vpr-bench]=https://surfdrive.surf.nl/files/index.php/s/sbZRXzYe3l0v67W/download
+  [nordland]=https://github.com/TimQuelch/seqslam/archive/HEAD.tar.gz
+  [loop]=https://github.com/introlab/rtabmap/archive/HEAD.tar.gz
+  [tower]=https://github.com/JSebastianIEU/ie-tower-visual-place-recognition/archive/HEAD.tar.gz
   [gardens-point]=https://www.tu-chemnitz.de/etit/proaut/datasets/GardensPoint_Walking.zip
   [st-lucia]=https://www.tu-chemnitz.de/etit/proaut/datasets/StLucia_small.zip
   [sfu]=https://www.tu-chemnitz.de/etit/proaut/datasets/SFU.zip
@@ -24,7 +27,7 @@ while [[ $# -gt 0 ]]; do
   esac
   shift
 done
-[[ ${#names[@]} -gt 0 ]] || names=(put-mc-floor1 vpr-bench gardens-point st-lucia sfu)
+[[ ${#names[@]} -gt 0 ]] || names=(put-mc-floor1 vpr-bench nordland loop tower gardens-point st-lucia sfu)
 for tool in curl tar unzip python3; do
   command -v "$tool" >/dev/null || { echo "fetch-data: $tool is missing; install it and try again" >&2; exit 3; }
 done
