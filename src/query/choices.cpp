@@ -134,8 +134,8 @@ void check_rule(const Threshold& rule, const SequenceQuerySettings& settings) {
   if (settings.past && scale == ThresholdScale::relative)
     refuse("a relative --t-r", enum_name(QueryCommand::loops), kUseBits);
   if (has_automatic_threshold(settings) && rule.windows.score == Score::zscore)
-    throw Error(ErrorKind::usage,
-                "--score zscore needs --decide margin, or a number such as --t-r -1.5");
+    refuse("an automatic t_r", "--score zscore",
+           "Add --decide margin, or a number, as in --t-r -1.5.");
   check_factor(rule.safety_factor, settings);
   if (rule.threshold) check_limit(*rule.threshold, scale);
 }

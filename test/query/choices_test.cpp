@@ -46,7 +46,7 @@ TEST_CASE("settings that cannot be combined are refused by both names, with what
       {{{"t_r_scale", "mean-z"}}, "--t-r-scale mean-z", "--score raw"},
       {{{"score", "zscore"}, {"t_r", -1}, {"t_r_scale", "bits"}}, "--t-r-scale bits", "zscore"},
       {{{"score", "zscore"}, {"t_r", 0}, {"t_r_scale", "relative"}}, "relative", "zscore"},
-      {{{"score", "zscore"}}, "--t-r auto", "--score zscore"},
+      {{{"score", "zscore"}}, "an automatic t_r", "--score zscore"},
       {{{"safety_factor", 0.9}, {"t_r", 0.5}}, "--safety-factor", "--t-r"},
       {{{"method", "openable"}, {"score", "zscore"}, {"t_r", -1}}, "--score zscore", "openable"},
       {{{"c_l", 5}, {"margin", 3}}, "--margin", "--decide threshold"},
