@@ -122,7 +122,7 @@ TEST_CASE("a query by margin recognizes the revisit, and vpr-eval supports eithe
   CHECK(has(html, "\"asked\":400.0"));
   CHECK_FALSE(has(html, "below the threshold"));
   const auto table = run("vpr-eval r.json --ground-truth truth.csv -v");
-  CHECK(has(table.out, ", by margin\n"));
+  CHECK(has(table.out, " (by margin)\n"));
   CHECK(has(table.out, "best matches, by score"));
 }
 
