@@ -191,7 +191,7 @@ void store_database(const Session& session, const AnyDatabase& database) {
 int main(int argc, char** argv) {
   using namespace vpr;
   Program program("vpr-train", "Build, list and extend databases for visual place recognition.",
-                  "  vpr-train images --train monday -o corridor.vprdb");
+                  "  vpr-train images --train monday -o monday.vprdb");
   add_images(program);
   add_descriptors(program);
   add_fabmap(program);
