@@ -16,11 +16,11 @@ else
   clang-format --dry-run --Werror "${files[@]}"
   echo "format: ${#files[@]} files match .clang-format"
 fi
-scripts/check_layers.sh
-scripts/check_schemas.py
-scripts/check_links.py
-scripts/check_measurements.py
-scripts/check_language.py
+scripts/dev/check_layers.sh
+scripts/dev/check_schemas.py
+scripts/dev/check_links.py
+scripts/dev/check_measurements.py
+scripts/dev/check_language.py
 [[ ${1:-} == --style ]] && exit 0
 
 # Static analysis reads sources without precompiled headers.

@@ -14,9 +14,9 @@ cmake --preset release >/dev/null
 cmake --build --preset release --target all test_cli test_golden
 bin=build/release/bin
 VPR_SCHEMAS=write "$bin/test_cli" "settings are described*" >/dev/null
-scripts/schemas.py
-scripts/command_line.py
-scripts/python_reference.py
-scripts/docs-images.sh "$bin"
+scripts/dev/schemas.py
+scripts/dev/command_line.py
+scripts/dev/python_reference.py
+scripts/dev/docs-images.sh "$bin"
 VPR_GOLDEN=write "$bin/test_golden" "*golden file*" >/dev/null
 git diff --stat -- docs test/golden

@@ -6,7 +6,7 @@
 #   scripts/install-deps.sh --ci       also those of tests that are skipped without them
 #   scripts/install-deps.sh --package  also those of building and testing the Debian package
 #   scripts/install-deps.sh --cluster  also those of trees of experiments (scripts/workflow/README.md)
-#   scripts/install-deps.sh --arm64    also those of scripts/test-arm64.sh
+#   scripts/install-deps.sh --arm64    also those of scripts/dev/test-arm64.sh
 #   scripts/install-deps.sh --libraries  installs nothing, prints the packages that programs and tests link
 set -euo pipefail
 libraries=(

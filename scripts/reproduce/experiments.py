@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from laboratory import Failure, run, say
 
-# Settings of a row in configs/paper; its other keys are measures with the paper's numbers.
+# Settings of a row in scripts/reproduce/paper; its other keys are measures with the paper's numbers.
 SETTINGS = ("sequence", "data", "query", "c_w", "t_p", "c_l", "t_r", "method", "what", "our_work",
             "frames", "query_frames", "places", "unmeasured")
 PARAMETERS = ("frames", "c_l", "query_frames", "places")  # of measurements by vpr-bench

@@ -1,6 +1,6 @@
 """Checks the paper's findings on numbers.
 
-A finding is data (configs/paper): a sentence, its place in the paper, one of KINDS, and `where`,
+A finding is data (scripts/reproduce/paper): a sentence, its place in the paper, one of KINDS, and `where`,
 its numbers, selected by the settings and the measure of their cells. Each number, series or pair of
 numbers, or `rows` of them, must satisfy the kind.
 

@@ -3,7 +3,7 @@
 
     reproduce.py EXPERIMENT|all [--data DIR] [--quick] [--again] [--out DIR] [--page FILE]
 
-EXPERIMENT is a file in configs/paper without .json. Without --data, the rendered stand-in of each
+EXPERIMENT is a file in scripts/reproduce/paper without .json. Without --data, the rendered stand-in of each
 data set is used (vpr-synth, configs/worlds). Writes out/EXPERIMENT.json
 (docs/schemas/reproduction.schema.json), .csv and .md, which end with the paper's findings and whether
 they hold; figures are in out/figures. Rendered and trained data stay in out/reproduce. Builds the
@@ -78,7 +78,7 @@ class Reproduction:
         self.out = arguments.out / "quick" if arguments.quick else arguments.out
 
     def config(self, name):
-        return {**read(ROOT / f"configs/paper/{name}.json"), "name": name}
+        return {**read(ROOT / f"scripts/reproduce/paper/{name}.json"), "name": name}
 
     def inputs(self, experiment):
         """Checksum of everything that determines the numbers: programs, scripts, settings, data."""

@@ -2,7 +2,7 @@
 # Repeats the paper's tables: builds the programs, runs them, and prints the paper's numbers next to ours.
 #   run.sh EXPERIMENT [--data DIR] [--quick] [--again] [--out DIR]
 #   run.sh all [...] [--page FILE]     every experiment, then a summary
-# EXPERIMENT is the name of a file in configs/paper:
+# EXPERIMENT is the name of a file in scripts/reproduce/paper:
 #   tab1     FAB-MAP's c_w and t_p on the validation sequences
 #   tab2     FAB-MAP on the test sequences
 #   tab3     OpenABLE's c_l and t_r on PUT LC, with the recognitions of the text

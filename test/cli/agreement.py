@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """For one result of each method, all commands that show it print the same numbers, over the same
-frames; the counts of the small building are those of configs/expected.   agreement.py SOURCE BIN"""
+frames; the counts of the small building are those of test/expected.   agreement.py SOURCE BIN"""
 import csv
 import io
 import json
@@ -102,8 +102,8 @@ for name, words in {"filter": (), "windows": windows, "fastable": ("--c-l", 20, 
 # The counts of the small building have not changed, from pixels to report.
 for method in ("fastable", "openable"):
     run("vpr-query", "s.vprdb", *truth, "--c-l", 20, "--method", method, "-o", f"auto-{method}.json")
-    run("vpr-eval", f"auto-{method}.json", *truth, "--expect", source / "configs/expected/small-fastable.json")
-run("vpr-eval", "fabmap.json", *truth, "--expect", source / "configs/expected/small-fabmap.json", "--html", "f.html")
+    run("vpr-eval", f"auto-{method}.json", *truth, "--expect", source / "test/expected/small-fastable.json")
+run("vpr-eval", "fabmap.json", *truth, "--expect", source / "test/expected/small-fabmap.json", "--html", "f.html")
 numbers, frames = {}, {}
 for name in ("filter", "windows", "fastable", "part", "fabmap"):
     numbers[name], frames[name] = check(name, (f"{name}.json",), truth)

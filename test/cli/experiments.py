@@ -41,7 +41,7 @@ def start(*words):
 
 def check_table(name, written):
     """One number for each of the paper's, or the reason why there is none; findings likewise."""
-    config = read_json(source / f"configs/paper/{name}.json")
+    config = read_json(source / f"scripts/reproduce/paper/{name}.json")
     expected = [(row, measure) for row in config["rows"] for measure in row if measure not in SETTINGS]
     cells = written["cells"]
     assert ([(cell["measure"], cell["paper"]) for cell in cells]
@@ -98,7 +98,7 @@ for name in ORDER:
 for drawn in ("put-mc-long", "tab6-1/openable-fps.svg", "tab6-1/fastable-cpu.svg", "times-2/fabmap-fps.svg",
               "times-4/time-by-query_frames.svg"):
     assert (folder / "out/quick/figures" / drawn).exists(), drawn
-checked = call(sys.executable, source / "scripts/check_schemas.py", *tables.values())
+checked = call(sys.executable, source / "scripts/dev/check_schemas.py", *tables.values())
 assert checked.returncode in (0, 77), checked
 numbers = {name: numbers_of(written[name]) for name in ORDER if "machine" not in written[name]}
 if "--update" in sys.argv:

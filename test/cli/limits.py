@@ -16,7 +16,7 @@ from support import folder as root, programs, read_json
 
 train_frames = int(sys.argv[3]) if len(sys.argv) > 3 else 100_000
 random = numpy.random.default_rng(1)
-# Programs with sanitizers, whose options scripts/sanitizers.sh sets, need more time and memory.
+# Programs with sanitizers, whose options scripts/dev/sanitizers.sh sets, need more time and memory.
 slack = 4 if {"ASAN_OPTIONS", "TSAN_OPTIONS"} & set(os.environ) else 1
 
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Links of the documentation are valid, and scripts/check_links.py finds invalid ones.   links.py SOURCE"""
+"""Links of the documentation are valid, and scripts/dev/check_links.py finds invalid ones.   links.py SOURCE"""
 import sys
 
 from support import call, folder, source, write
 
-script = source / "scripts/check_links.py"
+script = source / "scripts/dev/check_links.py"
 
 
 def broken(root):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Output and messages of scripts/reproduce, without running an experiment; and the paper's findings
-(configs/paper): they hold on the paper's own numbers, each of them can fail, and every kind has its
+(scripts/reproduce/paper): they hold on the paper's own numbers, each of them can fail, and every kind has its
 documented condition.   reproduce.py SOURCE"""
 import random
 import sys
@@ -72,7 +72,7 @@ def check_files():
                         "- G (table 4): not measured (it has no labels)\n- H (table 4): not counted, "
                         "since table 4 rises; does not hold (ours 5, 5)\n\n"
                         "0 of 1 findings hold, 1 not measured.\n"), text
-    checked = call(sys.executable, source / "scripts/check_schemas.py", "tab4.json", "tab6.json")
+    checked = call(sys.executable, source / "scripts/dev/check_schemas.py", "tab4.json", "tab6.json")
     if checked.returncode != 0:
         print(checked.stdout, checked.stderr)
         sys.exit(checked.returncode)  # 77: cannot be checked here
@@ -128,9 +128,9 @@ def check_counts():
 
 def check_experiments():
     """Each experiment has its turn, and common settings quote the same number of the paper (tables take precedence)."""
-    names = {path.stem for path in (source / "configs/paper").glob("*.json")}
+    names = {path.stem for path in (source / "scripts/reproduce/paper").glob("*.json")}
     assert set(reproduce.ORDER) == names, names ^ set(reproduce.ORDER)
-    rows = {name: read_json(source / f"configs/paper/{name}.json")["rows"]
+    rows = {name: read_json(source / f"scripts/reproduce/paper/{name}.json")["rows"]
             for name in ("tab1", "tab2", "tab4", "figures")}
     of = {}
     for name in ("tab1", "tab2"):
@@ -290,7 +290,7 @@ check_quick()
 check_counts()
 check_experiments()
 check_files()
-for path in sorted((source / "configs/paper").glob("*.json")):
+for path in sorted((source / "scripts/reproduce/paper").glob("*.json")):
     config = read_json(path)
     check_on_the_paper(path.stem, config)
     check_that_it_can_fail(path.stem, config)

@@ -68,11 +68,11 @@ printf 'frame,x,y\n0,0,0\n1,5,0\n2,0,1\n3,5,9\n' >poses.csv
 printf 'query,match,score\n2,0,1\n3,1,0.5\n2,1,0.2\n' >loops.csv
 sed "s|SOURCE|$source|; s|DATA|building/dataset.json|" commands >commands.sh
 bash -xeuo pipefail commands.sh >printed 2>&1 || { tail -n 5 printed; exit 1; }
-"$python" "$source/scripts/check_schemas.py" "$source"/configs/worlds/*.json building/dataset.json ./*.vprdb/manifest.json ./*.json
+"$python" "$source/scripts/dev/check_schemas.py" "$source"/configs/worlds/*.json building/dataset.json ./*.vprdb/manifest.json ./*.json
 # Settings are checked: an unknown key, and a value of another type.
 for wrong in '"c_ll": 10' '"c_l": "ten"' '"clustering": {"eps": 1.5}'; do
   echo "{\"schema\": \"vpr.config/3\", $wrong}" >wrong.json
-  if "$python" "$source/scripts/check_schemas.py" wrong.json >said || [[ $? != 1 ]]; then
+  if "$python" "$source/scripts/dev/check_schemas.py" wrong.json >said || [[ $? != 1 ]]; then
     echo "config.schema.json takes $wrong"
     exit 1
   fi

@@ -52,7 +52,7 @@ constexpr const char* kName<StatisticsSettings> = "statistics_settings";
 template <>
 constexpr const char* kName<FeatureSettings> = "feature_settings";
 
-// A type in the notation of scripts/schemas.py.
+// A type in the notation of scripts/dev/schemas.py.
 template <class T>
 std::string type_of() {
   if constexpr (Settings<T>) {

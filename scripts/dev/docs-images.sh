@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Draws README's image from data/example, and those of docs from the rendered small building:
-#   scripts/docs-images.sh [BIN]    programs in BIN (default: build/release/bin)
+#   scripts/dev/docs-images.sh [BIN]    programs in BIN (default: build/release/bin)
 set -euo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/../.."
 root=$PWD
 bin=$(realpath "${1:-build/release/bin}")
 images=$PWD/docs/images
@@ -30,7 +30,7 @@ cp varying.plot/timeline.svg "$images/timeline.svg"
 cp windows.plot/matrix.png "$images/matrix.png"
 
 cd "$root"
-/usr/bin/python3 scripts/example_picture.py "$bin" "$images/example.jpg"
+/usr/bin/python3 scripts/dev/example_picture.py "$bin" "$images/example.jpg"
 cp -r data/example "$work/example"
 cd "$work/example"
 "$bin/vpr-train" images --train monday -o corridor.vprdb --quiet

@@ -3,7 +3,7 @@
 # bytes that the programs write with those of the native programs. Needs root and network access; not
 # part of scripts/test.sh.
 set -euo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/../.."
 scripts/install-deps.sh --arm64
 
 # The libraries that programs link, as unpacked ARM packages that are not installed.

@@ -20,7 +20,7 @@ import json
 import pathlib
 import re
 
-FOLDER = pathlib.Path(__file__).resolve().parent.parent / "docs/schemas"
+FOLDER = pathlib.Path(__file__).resolve().parents[2] / "docs/schemas"
 NAMES = {"string": {"type": "string"}, "number": {"type": "number"}, "integer": {"type": "integer"},
          "count": {"type": "integer", "minimum": 0}, "bool": {"type": "boolean"},
          "object": {"type": "object"}, "null": {"type": "null"}}

@@ -5,7 +5,7 @@ import inspect
 import pathlib
 import sys
 
-root = pathlib.Path(__file__).resolve().parent.parent
+root = pathlib.Path(__file__).resolve().parents[2]
 PAGE = root / "docs/reference/python.md"
 
 
@@ -20,7 +20,7 @@ def signature(name, function):
 
 
 def page(vpr):
-    out = ["# Python module", "", "The docstrings of `vpr`. Written by `scripts/python_reference.py`.", ""]
+    out = ["# Python module", "", "The docstrings of `vpr`. Written by `scripts/dev/python_reference.py`.", ""]
     out += block(vpr.__doc__)
     for name in ["train", "load", "query", "loops", "evaluate", "evaluate_scores", "distances"]:
         out += [f"## vpr.{name}", "", f"`{signature(name, getattr(vpr, name))}`", ""]

@@ -3,7 +3,7 @@
 # release, and runs the examples of every -h, the Python module, and examples/ with the library for C++ there. Needs root and network access; not part of
 # scripts/test.sh.
 set -euo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/../.."
 scripts/install-deps.sh --package
 cmake --preset release >/dev/null
 cmake --build --preset release --target package

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Runs every command that writes with failing file calls, full disks and power loss, and checks the
 # files afterwards (docs/developer/testing.md).
-#   scripts/faults.sh           every call and full disk, and 1500 power losses
-#   scripts/faults.sh 500       this number of cases of each kind; 0: all
+#   scripts/dev/faults.sh           every call and full disk, and 1500 power losses
+#   scripts/dev/faults.sh 500       this number of cases of each kind; 0: all
 # Disks need root and mounts; without them, they are skipped with the reason. Each finding is
 # printed with the command line that repeats it; findings end the script with exit code 1.
 set -euo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/../.."
 scripts/install-deps.sh
 cmake --preset release >/dev/null
 cmake --build --preset release --target vpr_faults vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth

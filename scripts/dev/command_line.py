@@ -6,7 +6,7 @@ import re
 import subprocess
 import sys
 
-root = pathlib.Path(__file__).resolve().parent.parent
+root = pathlib.Path(__file__).resolve().parents[2]
 PAGE = root / "docs/reference/command-line.md"
 PROGRAMS = ["vpr-train", "vpr-query", "vpr-tune", "vpr-eval", "vpr-bench", "vpr-synth"]
 COMMON = "Common options"
@@ -25,7 +25,7 @@ def sections(folder, command):
 def page(folder):
     common, shared = {}, {}  # texts of common options by their names; sections by their headings
     out = ["# Command line", "", "The `--help` of every command. `-h` prints the essential options only.",
-           "Written by `scripts/command_line.py`.", ""]
+           "Written by `scripts/dev/command_line.py`.", ""]
     for program in PROGRAMS:
         names = re.findall(r"^  ([a-z]+) ", dict(sections(folder, [program])).get("Commands", ""), flags=re.M)
         for command in [[program], *([program, name] for name in names)]:

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # A folder of src includes only the folders of its row.
 set -euo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/../.."
 declare -A allowed=(
   [base]=""
   [recordings]="base"

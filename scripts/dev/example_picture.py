@@ -9,7 +9,7 @@ import tempfile
 
 from PIL import Image, ImageDraw, ImageFont
 
-root = pathlib.Path(__file__).resolve().parents[1]
+root = pathlib.Path(__file__).resolve().parents[2]
 programs, image = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
 example = root / "data/example"
 METHODS = [("filter", []), ("FastABLE", ["--c-l", "20", "--t-r", "0.7"]),

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Builds the fuzz targets and runs each one, as many at once as there are cores, or as JOBS says; fails if
 # any has a finding.
-#   scripts/fuzz.sh [SECONDS [NAME...]]      default: 60 seconds, all targets
-#   scripts/fuzz.sh --minimize [NAME...]     reduces each corpus to a smallest one with the same
+#   scripts/dev/fuzz.sh [SECONDS [NAME...]]      default: 60 seconds, all targets
+#   scripts/dev/fuzz.sh --minimize [NAME...]     reduces each corpus to a smallest one with the same
 #                                            coverage, including small inputs of earlier runs
 # New inputs, logs and the data to repeat a finding stay in build/fuzz/found.
 set -euo pipefail
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/../.."
 command -v clang++ >/dev/null || { echo "fuzz: needs clang; apt-get install clang" >&2; exit 1; }
 what=${1:-60}
 names=("${@:2}")
