@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/rows.h"
 #include "base/text.h"
+#include "evaluate/place_answers.h"
 #include "truth/positions.h"
 
 namespace vpr {
@@ -112,35 +112,54 @@ void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const M
   warn(monitor, *warning);
 }
 
-// A caution about labels that were made from these best matches, or of few frames.
+// A caution about labels of frames that are not a sample, or that were made from these matches.
 std::string label_caution(const GroundTruth& truth, const Outcomes& outcomes) {
-  constexpr size_t kFew = 10;  // one of ten frames
-  if (truth.asked.empty()) return "";
-  size_t labeled = 0;
+  if (truth.asked.empty() || truth.is_sample) return "";
   bool is_own = true;
-  for (const QueryOutcome& query : outcomes.queries) {
-    labeled += query.has_match;
+  for (const QueryOutcome& query : outcomes.queries)
     for (const GroundTruth::Pair& pair : truth.asked[query.frame])
       is_own = is_own && query.best == FrameMatch{pair.sequence, pair.first};
-  }
-  const bool is_small = kFew * labeled < outcomes.queries.size();
-  return fmt::format("{}{}{}",
-                     is_small ? "Caution: fewer than a tenth of the frames are labeled." : "",
-                     is_small && is_own ? " " : "",
-                     is_own ? "Caution: the labels were made from this result." : "");
+  return fmt::format("Caution: the labeled frames are not a sample of the query.{}",
+                     is_own ? " Caution: the labels were made from this result." : "");
 }
 
 // Counts and verdicts by the answers in a file.
 void judge_by_answers(Evaluation& evaluation, const std::filesystem::path& file,
                       std::span<const double> traveled_m) {
   EvaluatedResult& judged = *evaluation.result;
-  const std::vector<PlaceLabel> labels = read_place_answers(file, *judged.result);
-  for (size_t c = 0; c < labels.size(); ++c) judged.clusters[c].label = labels[c];
+  const Result& result = *judged.result;
+  const std::vector<PlacePart> parts = parts_of_places(result);
+  const std::vector<PlaceLabel> labels = read_place_answers(file, result, parts);
+  PlaceAnswers& answers = judged.answers.emplace();
+  answers.of_recognition.resize(result.recognitions.size(), PlaceLabel::ignore);
+  std::vector<std::optional<size_t>> away(judged.clusters.size());
+  LabelCounts pairs;
+  for (size_t p = 0; p < parts.size(); ++p) {
+    for (const uint32_t r : parts[p].recognitions) answers.of_recognition[r] = labels[p];
+    pairs.add(labels[p], parts[p].recognitions.size());
+    if (labels[p] != PlaceLabel::ignore) {
+      ++answers.answers;
+      answers.most_frames = std::max(answers.most_frames, parts[p].frames);
+    }
+    // A place is judged by the part that is closest to its representative.
+    const size_t place = parts[p].place;
+    const size_t middle =
+        anchor_of(result.clusters->all[place].query_window, result.window_length());
+    const size_t query = parts[p].middle.query;
+    const size_t distance = std::max(query, middle) - std::min(query, middle);
+    if (away[place] && *away[place] <= distance) continue;
+    away[place] = distance;
+    judged.clusters[place].label = labels[p];
+  }
   count_clusters(judged.counts, judged.clusters);
-  judge_by_places(evaluation.judgment, *judged.result, labels, traveled_m);
+  judged.counts.recognitions_by_place = pairs;
+  judge_by_places(evaluation.judgment, result, answers.of_recognition, traveled_m);
   evaluation.truth.protocol =
-      fmt::format("answers to {} of {}", labels.size() - judged.counts.clusters->ignored,
-                  counted(labels.size(), "place"));
+      fmt::format("{} to {}", counted(answers.answers, "answer"),
+                  parts.size() == judged.clusters.size()
+                      ? counted(parts.size(), "place")
+                      : fmt::format("{} of {}", counted(parts.size(), "part"),
+                                    counted(judged.clusters.size(), "place")));
 }
 
 void present_by(Judgment& judgment, const EvaluationSettings& by) {
@@ -273,6 +292,45 @@ Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
   return evaluation;
 }
 
+std::optional<PlaceLabel> answer_to(const Evaluation& evaluation, const QueryOutcome& query) {
+  if (!query.best) return std::nullopt;
+  const GroundTruthScope& scope = evaluation.judgment.layout.scope;
+  const size_t frame = scope.query.selection.source_of(query.frame);
+  const size_t reference =
+      scope.sequences[query.best->sequence].sequence.selection.source_of(query.best->reference);
+  for (const PersonLabel& label : evaluation.truth.person_labels) {
+    if (label.query != frame || label.sequence != query.best->sequence) continue;
+    const size_t away = std::max(reference, label.reference) - std::min(reference, label.reference);
+    if (away <= label.tolerance) return label.is_same ? PlaceLabel::same : PlaceLabel::different;
+  }
+  return std::nullopt;
+}
+
+std::optional<Estimate> estimated_recall(const Evaluation& evaluation) {
+  const BestMatchCounts counts = best_match_counts(evaluation.judgment.outcomes);
+  if (!evaluation.truth.is_sample || counts.frames == 0 || counts.ignored > 0) return std::nullopt;
+  return estimate_share(counts.correct, counts.frames);
+}
+
+std::optional<LabeledThreshold> labeled_threshold(const Evaluation& evaluation) {
+  const Outcomes& outcomes = evaluation.judgment.outcomes;
+  if (!evaluation.truth.is_sample || !outcomes.has_scores) return std::nullopt;
+  LabeledThreshold found;
+  uint64_t first = kNoScore;  // incorrect
+  for (const QueryOutcome& query : outcomes.queries) {
+    const std::optional<PlaceLabel> answer = answer_to(evaluation, query);
+    found.labels += answer.has_value();
+    if (answer == PlaceLabel::different)
+      first = std::min(first, confidence_key(query, outcomes.confidence));
+  }
+  if (first != kNoScore) found.threshold = score_of_key(first, confidence_order(outcomes));
+  found.accepted =
+      static_cast<size_t>(std::ranges::count_if(outcomes.queries, [&](const QueryOutcome& query) {
+        return query.best && confidence_key(query, outcomes.confidence) < first;
+      }));
+  return found;
+}
+
 std::vector<MatchedFrame> recognized_frames(const Evaluation& evaluation) {
   if (!evaluation.result) return evaluation.judgment.recognized;
   std::vector<MatchedFrame> found;
@@ -302,50 +360,6 @@ void warn_of_scores(const Judgment& judgment, const ScoreInput& scores, const st
          "{0}: the smallest distance is {1}. If it stands for a missing score, as in a matrix of "
          "vpr-query, add --missing {1}",
          source, best);
-}
-
-void require_places(const Result& result) {
-  if (!result.clusters)
-    throw Error(ErrorKind::usage,
-                "--places and --ask-places are for results with clusters of recognitions, and "
-                "FAB-MAP has none. Use --ground-truth");
-}
-
-std::string answer_row(const Result& result, size_t cluster) {
-  const Cluster& place = result.clusters->all[cluster];
-  return fmt::format("{},{},{},{}", cluster + 1,
-                     anchor_of(place.query_window, result.window_length()),
-                     csv_field(result.sequences[place.sequence].sequence.name),
-                     anchor_of(place.train_window, result.window_length()));
-}
-
-std::vector<PlaceLabel> read_place_answers(const std::filesystem::path& path,
-                                           const Result& result) {
-  require_places(result);
-  Rows rows(path, path.string(), {{"place", "query", "sequence", "train", "same"}, 5});
-  if (rows.size() == 0)
-    rows.fail("has no answers. Answer the page of vpr-eval --ask-places and save it again");
-  const size_t places = result.clusters->all.size();
-  std::vector<PlaceLabel> labels(places, PlaceLabel::ignore);
-  while (rows.next()) {
-    const auto place = parse_frame(rows.text("place"));
-    const std::string found = fmt::format("{},{},{},{}", rows.text("place"), rows.text("query"),
-                                          csv_field(rows.text("sequence")), rows.text("train"));
-    if (!place || !place->in_range || place->value == 0 || place->value > places ||
-        answer_row(result, place->value - 1) != found)
-      rows.fail(
-          "the result has no place {}. The answers are of another result: repeat --ask-places with "
-          "this one",
-          found);
-    PlaceLabel& label = labels[place->value - 1];
-    const std::string_view answer = rows.text("same");
-    if (label != PlaceLabel::ignore)
-      rows.fail("place {} has two answers. Remove one", place->value);
-    if (answer != "yes" && answer != "no")
-      rows.fail("\"same\" is \"{}\". Use yes or no, or remove the row", answer);
-    label = answer == "yes" ? PlaceLabel::same : PlaceLabel::different;
-  }
-  return labels;
 }
 
 }  // namespace vpr

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "evaluate/intervals.h"
 #include "evaluate/judgment.h"
 #include "evaluate/outcomes.h"
 #include "query/result_file.h"
@@ -44,11 +45,19 @@ struct ScoreSettings {
   Sequence query = {};              ///< name and selection
 };
 
+/// The answers of a person to the places of a result.
+struct PlaceAnswers {
+  std::vector<PlaceLabel> of_recognition;  ///< of the part of its place; ignore: no answer
+  size_t answers = 0;
+  size_t most_frames = 0;  ///< query frames that one answer judges
+};
+
 struct EvaluatedResult {
   std::shared_ptr<const Result> result;  ///< never null
   Counts counts;
   std::optional<CountsByKeyframe> by_keyframe;  ///< nullopt without keyframes or ground truth
   std::vector<JudgedCluster> clusters;          ///< by index of clusters_of(result)
+  std::optional<PlaceAnswers> answers = {};
 };
 
 struct Evaluation {
@@ -60,7 +69,7 @@ struct Evaluation {
   std::optional<ScoreMatrix> matrix;      ///< the scores, or the matrix saved with the result
   std::string fingerprint;                ///< of the file of the result or of the scores
   bool warned_of_ground_truth = false;    ///< a warning named another tolerance or --train-step
-  std::string caution = {};  ///< about a ground truth of few labels, or of labels of this result
+  std::string caution = {};               ///< about labels that are not a sample, or of this result
 
   const Sequence& query() const { return judgment.layout.scope.query; }
 };
@@ -93,6 +102,22 @@ Evaluation evaluate_stored(const std::shared_ptr<const StoredResult>& stored,
 Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
                            const EvaluationSettings& by, const Monitor& monitor);
 
+/// What a person said of the best match of a query frame; unset: nothing.
+std::optional<PlaceLabel> answer_to(const Evaluation& evaluation, const QueryOutcome& query);
+
+/// The share of correct best matches by labels of a sample of the query's frames; unset without a
+/// sample, and if a best match of its frames is not labeled.
+std::optional<Estimate> estimated_recall(const Evaluation& evaluation);
+
+/// The best matches that are more confident than the first incorrect one among all labels.
+struct LabeledThreshold {
+  size_t labels = 0;                ///< of best matches
+  std::optional<double> threshold;  ///< score or margin of the first incorrect one; unset: none
+  size_t accepted = 0;              ///< frames of the query with a more confident best match
+};
+/// Unset without labels of a sample.
+std::optional<LabeledThreshold> labeled_threshold(const Evaluation& evaluation);
+
 /// The recognized query frames with the match by which each is judged.
 std::vector<MatchedFrame> recognized_frames(const Evaluation& evaluation);
 
@@ -100,20 +125,5 @@ std::vector<MatchedFrame> recognized_frames(const Evaluation& evaluation);
 /// be the missing value of vpr-query. `source`: of the scores, for messages.
 void warn_of_scores(const Judgment& judgment, const ScoreInput& scores, const std::string& source,
                     const Monitor& monitor);
-
-/// The columns of a file of answers.
-inline constexpr const char* kAnswerColumns = "place,query,sequence,train,same";
-
-/// The first four columns of the row of a cluster: its number, counted from 1, the query frame, the
-/// training sequence and the training frame; frames are the anchors of the representative.
-std::string answer_row(const Result& result, size_t cluster);
-
-/// Throws Error(usage) for a result without clusters, as of FAB-MAP.
-void require_places(const Result& result);
-
-/// A label per cluster: `same` or `different` by the column "same" (yes or no), `ignore` without a
-/// row. Throws as require_places does, Error(input) if the file cannot be read, and Error(data),
-/// with the line, if it has no answer, has two for a place, or a row is not a cluster of `result`.
-std::vector<PlaceLabel> read_place_answers(const std::filesystem::path& path, const Result& result);
 
 }  // namespace vpr

@@ -67,7 +67,8 @@ void judge_by_places(Judgment& judgment, const Result& result, std::span<const P
   const std::vector<const Match*> recognitions = recognitions_by_frame(result);
   for (size_t frame = 0; frame < recognitions.size(); ++frame)
     if (const Match* recognition = recognitions[frame])
-      judgment.verdicts[frame] = verdict_of(labels[cluster_of(result, *recognition)]);
+      judgment.verdicts[frame] =
+          verdict_of(labels[static_cast<size_t>(recognition - result.recognitions.data())]);
   for (size_t window = 0; window < result.best.size(); ++window) {
     QueryOutcome& query = judgment.outcomes.at_window(window);
     const Match* recognition = recognitions[query.frame];

@@ -12,11 +12,6 @@ namespace vpr {
 /// Per query frame, the recognition of the window that ends there: of several the one with the best
 /// score, ties to the first; null if there is none. They point into the result.
 std::vector<const Match*> recognitions_by_frame(const Result& result);
-/// The index of the cluster of one of the result's recognitions.
-inline size_t cluster_of(const Result& result, const Match& recognition) {
-  return result.clusters
-      ->of_recognition[static_cast<size_t>(&recognition - result.recognitions.data())];
-}
 /// The verdicts by these recognitions.
 std::vector<Verdict> verdicts_of(const Result& result, const GroundTruth& truth);
 /// The verdicts by best matches whose key is at most `accepted`; unset: none.
@@ -75,8 +70,8 @@ Judgment judge(const Result& result, const GroundTruth& truth, std::span<const d
                const Monitor& monitor = {});
 
 /// Replaces the verdicts of recognized frames, and of best matches that are their recognitions, by
-/// `labels` of the clusters. All frames then count as frames with a match. `traveled_m`: as in
-/// localize.
+/// `labels` of the result's recognitions. All frames then count as frames with a match.
+/// `traveled_m`: as in localize.
 void judge_by_places(Judgment& judgment, const Result& result, std::span<const PlaceLabel> labels,
                      std::span<const double> traveled_m);
 

@@ -233,8 +233,9 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
   if (!truth.asked.empty())
     report.protocol.definitions.emplace_back(
         "labels",
-        "frames are those that are labeled, and \"with a match\" means this; a pair that is not "
-        "labeled is neither correct nor incorrect, and counts for ranks");
+        fmt::format("frames are those that are labeled{}, and \"with a match\" means this; a pair "
+                    "that is not labeled is neither correct nor incorrect, and counts for ranks",
+                    truth.is_sample ? ", a sample spread along the query" : ""));
   if (judgment.by != JudgedBy::ground_truth) {
     Definitions& define = report.protocol.definitions;
     std::erase_if(define, [](const auto& definition) {
@@ -246,6 +247,7 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
                           "recognitions by a person who "
                           "compared images; ignored without an answer");
   }
+  report.estimate = estimated_recall(evaluation);
   report.metrics = metrics_of(judgment);
   report.curves = by_acceptance(judgment, reported_curve);
   return report;

@@ -105,6 +105,7 @@ struct Report {
   Counts counts;                                        ///< for scores, best matches only
   std::optional<CountsByKeyframe> by_keyframe;
   std::optional<std::vector<ReportedCluster>> recognitions;
+  std::optional<Estimate> estimate;  ///< of correct best matches, by labels of a sample
   ReportedMetrics metrics;
   ByAcceptance<ReportedCurve> curves;
   Protocol protocol;

@@ -161,6 +161,14 @@ void visit_fields(CountsByKeyframe& counts, Visitor&& visit) {
         }});
 }
 
+template <class Visitor>
+void visit_fields(Estimate& estimate, Visitor&& visit) {
+  visit("frames", estimate.frames);
+  visit("rate", estimate.rate);
+  visit("low", estimate.interval.low);
+  visit("high", estimate.interval.high);
+}
+
 VPR_FIELDS(ReportedCluster, sequence, query, query_range, train, train_range, label, recognitions)
 
 template <class Visitor>
@@ -268,6 +276,7 @@ void visit_fields(Report& report, Visitor&& visit) {
           }});
   const bool has_truth = report.frames.by == JudgedBy::ground_truth;
   if (has_truth) visit("best_match", report.counts.best_match);
+  visit("estimate", IfSet{report.estimate});
   visit("by_keyframe", IfSet{report.by_keyframe});
   visit("recognized_places", IfSet{report.recognitions});
   if (has_truth) visit("metrics", report.metrics);

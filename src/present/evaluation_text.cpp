@@ -62,6 +62,20 @@ std::string recall_text(const Report& report) {
   return fmt::format("{}", fmt::join(values, ", "));
 }
 
+// "30 of 1500 frames have a better match than the first incorrect one of 200 labels, at 312".
+std::string threshold_text(const Evaluation& evaluation) {
+  const std::optional<LabeledThreshold> found = labeled_threshold(evaluation);
+  if (!found) return "";
+  const Outcomes& outcomes = evaluation.judgment.outcomes;
+  const std::string frames =
+      fmt::format("{} of {}", found->accepted, counted(outcomes.queries.size(), "frame"));
+  if (!found->threshold)
+    return fmt::format("all {} say same; {} have a match", counted(found->labels, "label"), frames);
+  return fmt::format("{} match better than the first incorrect one of {}, at {} {:.6g}", frames,
+                     counted(found->labels, "label"), enum_name(outcomes.confidence),
+                     *found->threshold);
+}
+
 std::vector<RecognizedRange> judged_ranges(const Evaluation& evaluation) {
   const Result& result = *evaluation.result->result;
   std::vector<RecognizedRange> ranges = recognized_ranges(result);
@@ -75,7 +89,7 @@ std::vector<RecognizedRange> judged_ranges(const Evaluation& evaluation) {
       const Match& match = result.recognitions[recognition];
       const MatchedFrame at = anchors_of(match, result.window_length());
       const PlaceLabel label = evaluation.judgment.by == JudgedBy::places
-                                   ? evaluation.result->clusters[cluster_of(result, match)].label
+                                   ? evaluation.result->answers->of_recognition[recognition]
                                    : label_of(evaluation.truth, at);
       labels.add(label);
       if (closest[at.query] != &match) continue;
@@ -125,6 +139,8 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
       text += line("ranking", curve_text(curves.single_best) + (by_margin ? " (by margin)" : ""));
       if (curves.all_pairs) text += line("all pairs", curve_text(*curves.all_pairs));
     }
+    if (const std::string threshold = threshold_text(evaluation); !threshold.empty())
+      text += line("labels", threshold);
     if (const std::string unknown = unknown_text(report.frames.outcomes); !unknown.empty())
       text += line("not known", unknown);
   }

@@ -1,12 +1,15 @@
 // Pages that ask a person whether images show the same place.
 #include <algorithm>
 #include <array>
+#include <ranges>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/json.h"
 #include "base/text.h"
+#include "evaluate/place_answers.h"
 #include "present/evaluation_page.h"
 #include "present/html_page.h"
 #include "present/report_tables.h"
@@ -22,7 +25,7 @@ constexpr int kImageSide = 640;  // pixels
 constexpr int kSmallSide = 320;  // of many questions, so that a browser can open the page
 constexpr size_t kMostFrames = 200;
 constexpr size_t kSpreadFrames = 50;
-constexpr size_t kTolerance = 5;  // frames; the page asks for another one
+constexpr size_t kTolerance = 5;  // frames; the page may set another one
 
 /// A query frame and a frame of a training sequence.
 using FramePair = std::array<size_t, 2>;
@@ -35,29 +38,22 @@ struct Question {
   uint32_t sequence = 0;
   std::vector<FramePair> pairs;
   std::string answer = {};
+  std::string end = {};  ///< of the row, after the answer
 };
 
-VPR_FIELDS(Question, row, name, about, sequence, pairs, answer)
+VPR_FIELDS(Question, row, name, about, sequence, pairs, answer, end)
 
-/// Per place: the first recognition, the representative and the last recognition; equal ones once.
-std::vector<std::vector<FramePair>> pairs_of(const Result& result) {
-  const size_t length = result.window_length();
-  std::vector<std::vector<FramePair>> pairs(result.clusters->all.size());
-  std::vector<FramePair> last(pairs.size());
-  const auto add = [&](size_t place, const FramePair& pair) {
-    if (std::ranges::find(pairs[place], pair) == pairs[place].end()) pairs[place].push_back(pair);
+/// The first recognition of a part of a place, its middle and the last one; equal ones once.
+std::vector<FramePair> pairs_of(const Result& result, const PlacePart& part) {
+  const auto pair_of = [&](uint32_t recognition) {
+    const MatchedFrame at = anchors_of(result.recognitions[recognition], result.window_length());
+    return FramePair{at.query, at.match.reference};
   };
-  for (size_t r = 0; r < result.recognitions.size(); ++r) {
-    const Match& match = result.recognitions[r];
-    const size_t place = result.clusters->of_recognition[r];
-    last[place] = {anchor_of(match.query, length), anchor_of(match.train, length)};
-    if (pairs[place].empty()) pairs[place].push_back(last[place]);
-  }
-  for (size_t place = 0; place < pairs.size(); ++place) {
-    const Cluster& cluster = result.clusters->all[place];
-    add(place, {anchor_of(cluster.query_window, length), anchor_of(cluster.train_window, length)});
-    add(place, last[place]);
-  }
+  std::vector<FramePair> pairs;
+  for (const FramePair& pair : {pair_of(part.recognitions.front()),
+                                FramePair{part.middle.query, part.middle.match.reference},
+                                pair_of(part.recognitions.back())})
+    if (std::ranges::find(pairs, pair) == pairs.end()) pairs.push_back(pair);
   return pairs;
 }
 
@@ -96,32 +92,93 @@ std::string page_of(Json data, const std::vector<Question>& questions, const Eva
                                     {"data", script_json(data)}});
 }
 
-/// The queries to ask about, as indices of outcomes: spread evenly, then by their distance to the
-/// decision.
-std::vector<size_t> asked_queries(const Judgment& judgment, const GroundTruth& truth) {
-  const auto& queries = judgment.outcomes.queries;
-  std::vector<size_t> open;  // in the order of the path
-  for (size_t q = 0; q < queries.size(); ++q)
-    if (queries[q].best && (truth.asked.empty() || queries[q].verdict == Verdict::ignored))
-      open.push_back(q);
-  const size_t spread = std::min(kSpreadFrames, open.size());
-  std::vector<size_t> asked;
-  std::vector<bool> is_spread(queries.size());
-  for (size_t i = 0; i < spread; ++i) {
-    asked.push_back(open[(2 * i + 1) * open.size() / (2 * spread)]);
-    is_spread[asked.back()] = true;
+/// `count` of `all`, evenly spaced. Every prefix of the answer is spread, too: positions are in the
+/// order of their reversed bits (van der Corput 1935).
+std::vector<size_t> spread_over(const std::vector<size_t>& all, size_t count) {
+  size_t bits = 0;
+  while ((size_t{1} << bits) < count) ++bits;
+  std::vector<size_t> found;
+  for (size_t i = 0; i < size_t{1} << bits; ++i) {
+    size_t reversed = 0;
+    for (size_t bit = 0; bit < bits; ++bit) reversed |= (i >> bit & 1) << (bits - 1 - bit);
+    if (reversed < count) found.push_back(all[(2 * reversed + 1) * all.size() / (2 * count)]);
   }
-  std::erase_if(open, [&](size_t q) { return is_spread[q]; });
+  return found;
+}
+
+/// Indices of outcomes.
+struct AskedFrames {
+  std::vector<size_t> spread;   ///< in the sample
+  std::vector<size_t> near;     ///< the decision
+  std::set<size_t> is_sampled;  ///< query frames of the recording: `spread`, labeled or not
+};
+
+/// The frames whose best matches are asked. The sample does not depend on labels, so that it stays
+/// one when a page is continued: of a sample that another result began, the frames that lack a
+/// label of this result; otherwise frames spread over those that are not in it yet. Then the frames
+/// nearest to the decision.
+AskedFrames frames_to_ask(const Evaluation& evaluation) {
+  const Judgment& judgment = evaluation.judgment;
+  const auto& queries = judgment.outcomes.queries;
+  const auto recorded = [&](size_t q) {
+    return judgment.layout.scope.query.selection.source_of(queries[q].frame);
+  };
+  const auto is_open = [&](size_t q) { return !answer_to(evaluation, queries[q]); };
+  AskedFrames asked;
+  for (const PersonLabel& label : evaluation.truth.person_labels)
+    if (label.is_spread) asked.is_sampled.insert(label.query);
+  std::vector<size_t> others;  // in the order of the path
+  for (size_t q = 0; q < queries.size(); ++q) {
+    if (!queries[q].best) continue;
+    if (!asked.is_sampled.contains(recorded(q)))
+      others.push_back(q);
+    else if (is_open(q))
+      asked.spread.push_back(q);
+  }
+  if (asked.spread.empty())
+    asked.spread = spread_over(others, std::min(kSpreadFrames, others.size()));
+  for (const size_t q : asked.spread) asked.is_sampled.insert(recorded(q));
+  std::erase_if(asked.spread, [&](size_t q) { return !is_open(q); });
+  std::vector<size_t>& near = asked.near;
+  for (const size_t q : others)
+    if (!asked.is_sampled.contains(recorded(q)) && is_open(q)) near.push_back(q);
   const auto key = [&](size_t q) {
     return confidence_key(queries[q], judgment.outcomes.confidence);
   };
   const auto unrecognized = std::stable_partition(
-      open.begin(), open.end(), [&](size_t q) { return is_recognized(judgment, queries[q]); });
-  std::stable_sort(open.begin(), unrecognized, [&](size_t a, size_t b) { return key(a) > key(b); });
-  std::stable_sort(unrecognized, open.end(), [&](size_t a, size_t b) { return key(a) < key(b); });
-  open.resize(std::min(open.size(), kMostFrames - spread));
-  asked.insert(asked.end(), open.begin(), open.end());
+      near.begin(), near.end(), [&](size_t q) { return is_recognized(judgment, queries[q]); });
+  std::stable_sort(near.begin(), unrecognized, [&](size_t a, size_t b) { return key(a) > key(b); });
+  std::stable_sort(unrecognized, near.end(), [&](size_t a, size_t b) { return key(a) < key(b); });
+  near.resize(std::min(near.size(), kMostFrames - std::min(kMostFrames, asked.spread.size())));
   return asked;
+}
+
+/// The first columns of a row of labels.
+std::string label_row(const GroundTruthScope& scope, size_t query, size_t sequence,
+                      size_t reference) {
+  return fmt::format(
+      "{},{}{}", query,
+      scope.sequences.size() == 1 ? "" : csv_field(scope.sequences[sequence].sequence.name) + ",",
+      reference);
+}
+
+/// The rows of earlier labels. Those of frames that are now in the sample count for it.
+std::vector<std::string> known_rows(const Evaluation& evaluation, const AskedFrames& asked) {
+  std::vector<std::string> rows;
+  for (const PersonLabel& label : evaluation.truth.person_labels)
+    rows.push_back(fmt::format(
+        "{},{},{},{}",
+        label_row(evaluation.judgment.layout.scope, label.query, label.sequence, label.reference),
+        label.is_same ? "same" : "different", label.tolerance,
+        asked.is_sampled.contains(label.query) ? kAskedSpread : kAskedNear));
+  return rows;
+}
+
+/// The tolerance of the latest label, or the usual one.
+size_t tolerance_of(const GroundTruth& truth) {
+  for (const PersonLabel& label : truth.person_labels | std::views::reverse)
+    if (label.is_same) return label.tolerance;
+  return kTolerance;
 }
 
 }  // namespace
@@ -131,23 +188,26 @@ std::string place_questions_page(const Evaluation& evaluation, const Report& rep
   const EvaluatedResult& judged = *evaluation.result;
   const Result& result = *judged.result;
   require_places(result);
-  const std::vector<std::vector<FramePair>> pairs = pairs_of(result);
+  const std::vector<PlacePart> parts = parts_of_places(result);
   std::vector<Question> questions;
-  for (size_t place = 0; place < pairs.size(); ++place) {
-    const Cluster& cluster = result.clusters->all[place];
-    const PlaceLabel label = judged.clusters[place].label;
+  for (const PlacePart& part : parts) {
+    const uint32_t sequence = result.clusters->all[part.place].sequence;
     Question& one = questions.emplace_back(
-        Question{answer_row(result, place), result.sequences[cluster.sequence].sequence.name,
-                 counted(cluster.recognitions, "recognition"), cluster.sequence, pairs[place]});
-    if (report.frames.by == JudgedBy::places && label != PlaceLabel::ignore)
-      one.answer = label == PlaceLabel::same ? "yes" : "no";
+        Question{answer_row(result, part), result.sequences[sequence].sequence.name,
+                 counted(part.frames, "frame"), sequence, pairs_of(result, part)});
+    if (!judged.answers) continue;
+    const PlaceLabel label = judged.answers->of_recognition[part.recognitions.front()];
+    if (label != PlaceLabel::ignore) one.answer = label == PlaceLabel::same ? "yes" : "no";
   }
-  const Json words = {{"noun", "place"},
-                      {"file", "places.csv"},
-                      {"columns", kAnswerColumns},
-                      {"words", {{"yes", "yes"}, {"no", "no"}}},
-                      {"note", "The middle pair decides, the ends show how far the place extends."},
-                      {"next", "vpr-eval RESULT --places places.csv"}};
+  const Json words = {
+      {"noun", "place"},
+      {"file", "places.csv"},
+      {"columns", kAnswerColumns},
+      {"words", {{"yes", "yes"}, {"no", "no"}}},
+      {"note", fmt::format("An answer judges all frames from the first to the last pair, at "
+                           "most {}; the middle pair decides.",
+                           kPartFrames)},
+      {"next", "vpr-eval RESULT --places places.csv"}};
   return page_of(words, questions, evaluation, report, sources, monitor);
 }
 
@@ -159,30 +219,39 @@ std::string frame_questions_page(const Evaluation& evaluation, const Report& rep
     throw Error(ErrorKind::usage,
                 "--ask-frames is for results of frames, and the places of FAB-MAP have no images. "
                 "Use --ground-truth");
-  const bool is_one = scope.sequences.size() == 1;
+  const AskedFrames asked = frames_to_ask(evaluation);
   std::vector<Question> questions;
-  for (const size_t q : asked_queries(judgment, evaluation.truth)) {
-    const size_t query = judgment.outcomes.queries[q].frame;
-    const auto [s, reference] = *judgment.outcomes.queries[q].best;
-    const Sequence& train = scope.sequences[s].sequence;
-    questions.push_back({fmt::format("{},{}{}", scope.query.selection.source_of(query),
-                                     is_one ? "" : csv_field(train.name) + ",",
-                                     train.selection.source_of(reference)),
-                         train.name,
-                         "",
-                         s,
-                         {{query, reference}}});
-  }
-  const size_t frames = judgment.outcomes.queries.size();
+  const auto ask = [&](const std::vector<size_t>& frames, std::string_view why) {
+    for (const size_t q : frames) {
+      const QueryOutcome& query = judgment.outcomes.queries[q];
+      const auto [s, reference] = *query.best;
+      const Sequence& train = scope.sequences[s].sequence;
+      questions.push_back({.row = label_row(scope, scope.query.selection.source_of(query.frame), s,
+                                            train.selection.source_of(reference)),
+                           .name = train.name,
+                           .sequence = s,
+                           .pairs = {{query.frame, reference}},
+                           .end = std::string(why)});
+    }
+  };
+  ask(asked.spread, kAskedSpread);
+  ask(asked.near, kAskedNear);
+  const std::vector<std::string> known = known_rows(evaluation, asked);
   const Json words = {
       {"noun", "frame"},
       {"file", "labels.csv"},
-      {"columns", fmt::format("query,{}reference,label,tolerance", is_one ? "" : "sequence,")},
+      {"columns", fmt::format("query,{}reference,label,tolerance,asked",
+                              scope.sequences.size() == 1 ? "" : "sequence,")},
       {"words", {{"yes", "same"}, {"no", "different"}}},
-      {"tolerance", std::max<size_t>(kTolerance, evaluation.truth.tolerance_frames)},
+      {"tolerance", tolerance_of(evaluation.truth)},
+      {"known", known},
       {"note",
-       fmt::format("{} of {} are asked{}.", questions.size(), counted(frames, "frame"),
-                   questions.size() == kMostFrames ? ", so that the page stays small" : "")},
+       fmt::format("The first {} of {} questions are spread along the query and make the estimate; "
+                   "the others are near the decision and set the threshold.{}",
+                   asked.spread.size(), questions.size(),
+                   known.empty() ? ""
+                                 : fmt::format(" {} from before are saved with your answers.",
+                                               counted(known.size(), "label")))},
       {"next", "vpr-eval ANY_RESULT --ground-truth labels.csv"}};
   return page_of(words, questions, evaluation, report, sources, monitor);
 }

@@ -50,8 +50,30 @@ std::string frames_words(const Evaluation& evaluation) {
 std::string labeled_words(const Evaluation& evaluation) {
   if (evaluation.truth.asked.empty()) return "";
   const Outcomes& outcomes = evaluation.judgment.outcomes;
-  return fmt::format(", over {} of {} that are labeled", frames_with_match(outcomes),
-                     counted(outcomes.queries.size(), "frame"));
+  const uint64_t open = best_match_counts(outcomes).ignored;
+  return fmt::format(
+      ", over {} of {} that are labeled{}", frames_with_match(outcomes),
+      counted(outcomes.queries.size(), "frame"),
+      evaluation.truth.is_sample && open > 0
+          ? fmt::format(
+                "; {} of their best matches are not labeled, so nothing is estimated: label "
+                "them with --ask-frames",
+                open)
+          : "");
+}
+
+// "84 to 98 %".
+std::string interval_words(const Interval& interval) {
+  return fmt::format("{:.0f} to {:.0f} %", 100 * interval.low, 100 * interval.high);
+}
+
+// "; 27 answers, each for at most 50 frames": by places.
+std::string answers_words(const Evaluation& evaluation) {
+  if (!evaluation.result || !evaluation.result->answers) return "";
+  const PlaceAnswers& answers = *evaluation.result->answers;
+  return fmt::format(", by {}, {}for {}{}", counted(answers.answers, "answer"),
+                     answers.answers == 1 ? "" : "each ", answers.answers == 1 ? "" : "at most ",
+                     counted(answers.most_frames, "frame"));
 }
 
 // "Best match correct in 106 of 200 frames (53.0 %)".
@@ -111,11 +133,29 @@ std::string recognized_words(const Evaluation& evaluation) {
                         judgment.by == JudgedBy::places  ? "without an answer"
                         : evaluation.truth.asked.empty() ? "to be ignored"
                                                          : "at places that are not labeled");
-  text += labeled_words(evaluation);
+  text += labeled_words(evaluation) + answers_words(evaluation);
   if (path.off_map > 0)
     text += fmt::format("; {} of {} without a match recognized, which is incorrect", path.off_map,
                         counted(path.frames - path.frames_with_match, "frame"));
   return text + pairs;
+}
+
+// "Best match correct, estimated from 50 frames spread along the query: 94 % (84 to 98 %). 44 of
+// these frames recognized, 1 of them incorrectly (0 to 12 %)."
+std::string estimate_words(const Evaluation& evaluation, const Estimate& found) {
+  const Judgment& judgment = evaluation.judgment;
+  std::string text =
+      fmt::format("Best match correct, estimated from {} spread along the query: {:.0f} % ({}).",
+                  counted(found.frames, "frame"), 100 * found.rate, interval_words(found.interval));
+  if (!evaluation.result && !judgment.threshold) return text;
+  const Localization& path = judgment.localization;
+  const uint64_t judged = path.correct + path.incorrect;
+  text +=
+      fmt::format(" {} of these frames recognized", judged == 0 ? "None" : std::to_string(judged));
+  if (judged > 0)
+    text += fmt::format(", {} of them incorrectly ({})", path.incorrect,
+                        interval_words(estimate_share(path.incorrect, judged).interval));
+  return text + pair_words(evaluation) + ".";
 }
 
 }  // namespace
@@ -139,6 +179,8 @@ std::string summary_sentence(const Evaluation& evaluation,
     return fmt::format("{} of {} recognized ({} %). Nothing is judged without a ground truth.",
                        path.recognized == 0 ? "None" : std::to_string(path.recognized),
                        counted(path.frames, "frame"), percent(path.recognized_share()));
+  if (const auto estimate = estimated_recall(evaluation))
+    return estimate_words(evaluation, *estimate);
   const std::string best_match = best_match_words(evaluation);
   const std::string end = evaluation.caution.empty() ? "" : " " + evaluation.caution;
   if (!evaluation.result && !judgment.threshold) return best_match + "." + end;

@@ -212,7 +212,7 @@ InspectedGroundTruth GroundTruthBuilder::finish(std::string protocol) {
   for (size_t s = 0; s < train_.size(); ++s) scope_.sequences[s].sequence.frames = train_[s].frames;
   result.scope = std::move(scope_);
   result.truth = {std::move(pairs_), argument_.tolerance_frames, std::move(protocol), true,
-                  std::move(asked_)};
+                  std::move(asked_), std::move(labels_),         is_sample_};
   result.findings = findings_;
   return result;
 }

@@ -22,6 +22,10 @@ template <>
 inline constexpr std::array<std::string_view, 3> kEnumNames<PlaceLabel> = {"different", "same",
                                                                            "ignore"};
 
+/// The column "asked" of a file of labels: why a person was asked about the frame.
+inline constexpr std::string_view kAskedSpread = "spread";  ///< it is in the sample
+inline constexpr std::string_view kAskedNear = "decision";  ///< its match is near the decision
+
 /// An unknown number of frames, which the ground truth itself determines.
 inline constexpr size_t kUnknownFrames = std::numeric_limits<size_t>::max();
 /// Upper bound of a number of frames that only a file states: a damaged file may have a large
@@ -45,6 +49,16 @@ struct GroundTruthScope {
   bool has_places = false;  ///< of FAB-MAP, without order, instead of training frames
 };
 
+/// A pair that a person labeled. Frames are those of the recordings, counted in the file's range.
+struct PersonLabel {
+  size_t query = 0;
+  uint32_t sequence = 0;
+  size_t reference = 0;
+  bool is_same = false;
+  size_t tolerance = 0;    ///< frames around the reference that are the same place, too
+  bool is_spread = false;  ///< of a frame of the sample; otherwise of one near the decision
+};
+
 /// Labels by frame (not by window).
 struct GroundTruth {
   /// The frames first .. first + further of a training sequence, with one label: a matrix of 10^8
@@ -65,8 +79,10 @@ struct GroundTruth {
   std::string protocol;  ///< a description for reports
   bool is_known = true;  ///< false: no match is evaluated
   /// Per query frame, the pairs that a person labeled; other pairs are unknown: labeled ignore.
-  /// Empty: all pairs are known.
+  /// Empty: all pairs are known. Of a sample, labels of its frames only.
   std::vector<std::vector<Pair>> asked = {};
+  std::vector<PersonLabel> person_labels = {};  ///< all rows of the file of labels
+  bool is_sample = false;  ///< labeled frames are spread evenly along the query
 
   std::span<const Pair> pairs_of(size_t query, size_t sequence) const;
   /// `same` if a `same` pair is at most tolerance_frames away from `reference`; otherwise the label

@@ -16,6 +16,12 @@ namespace {
 /// Labels of one query frame and one training sequence: `same` with the surroundings.
 using RowLabels = std::vector<LabelStretch>;
 
+LabelStretch stretch_of(const PersonLabel& label, size_t frames) {
+  if (!label.is_same) return {label.reference, label.reference, PlaceLabel::different};
+  return {label.reference - std::min(label.tolerance, label.reference),
+          std::min(label.reference + label.tolerance, frames - 1), PlaceLabel::same};
+}
+
 void add_label(const GroundTruthBuilder& builder, size_t query, const LabelStretch& added,
                RowLabels& labels) {
   for (const LabelStretch& run : labels)
@@ -53,12 +59,13 @@ std::string read_labels(GroundTruthBuilder& builder) {
                 name);
   const SequenceArgument source = parse_sequence_argument(name);
   builder.set_query_range(source);
-  Rows rows(source.path, name, {{"query", "reference", "label", "tolerance", "sequence"}, 4});
+  Rows rows(source.path, name,
+            {{"query", "reference", "label", "tolerance", "sequence", "asked"}, 4});
   if (rows.size() == 0)
     rows.fail("has no labels. Answer the page of vpr-eval --ask-frames and save it again");
   const size_t only = rows.has("sequence") ? 0 : builder.only_searched(name);
-  std::map<std::pair<size_t, size_t>, RowLabels> labels;
-  std::vector<std::vector<GroundTruth::Pair>> asked(builder.query().frames);
+  std::map<std::pair<size_t, size_t>, RowLabels> all;
+  std::vector<PersonLabel> labels;
   while (rows.next()) {
     builder.at("line", rows.line());
     const size_t sequence =
@@ -67,31 +74,48 @@ std::string read_labels(GroundTruthBuilder& builder) {
     const size_t reference = rows.frame("reference", kMaxGrownFrames);
     const size_t frames = builder.train(sequence).frames;
     if (!query) continue;
-    if (*query >= asked.size())
+    const size_t query_frames = builder.query().frames;
+    if (*query >= query_frames)
       builder.report_out_of_range("query", rows.text("query"), builder.query());
     if (reference >= frames)
       builder.report_out_of_range("reference", rows.text("reference"), builder.train(sequence));
-    if (*query >= asked.size() || reference >= frames) continue;
+    if (*query >= query_frames || reference >= frames) continue;
     const size_t reach = rows.frame("tolerance", kMaxGrownFrames);
     const std::string_view label = rows.text("label");
-    LabelStretch run{reference, reference, PlaceLabel::different};
-    if (label == "same")
-      run = {reference - std::min(reach, reference), std::min(reference + reach, frames - 1),
-             PlaceLabel::same};
-    else if (label != "different")
+    if (label != "same" && label != "different")
       rows.fail("label \"{}\" is neither same nor different", label);
-    add_label(builder, *query, run, labels[{*query, sequence}]);
-    asked[*query].push_back({static_cast<uint32_t>(sequence), static_cast<uint32_t>(reference)});
+    const std::string_view why = rows.text("asked");
+    if (!why.empty() && why != kAskedSpread && why != kAskedNear)
+      rows.fail("asked \"{}\" is neither {} nor {}", why, kAskedSpread, kAskedNear);
+    labels.push_back({*query, static_cast<uint32_t>(sequence), reference, label == "same",
+                      label == "same" ? reach : 0, why == kAskedSpread});
+    add_label(builder, *query, stretch_of(labels.back(), frames), all[{*query, sequence}]);
+  }
+  const bool is_sample = std::ranges::any_of(labels, &PersonLabel::is_spread);
+  std::map<std::pair<size_t, size_t>, RowLabels> counted_labels;
+  std::vector<std::vector<GroundTruth::Pair>> asked(builder.query().frames);
+  size_t near = 0;  // the decision: not in the sample
+  for (const PersonLabel& one : labels) {
+    near += is_sample && !one.is_spread;
+    if (is_sample && !one.is_spread) continue;
+    counted_labels[{one.query, one.sequence}].push_back(
+        stretch_of(one, builder.train(one.sequence).frames));
+    asked[one.query].push_back({one.sequence, static_cast<uint32_t>(one.reference)});
   }
   for (size_t query = 0; query < asked.size(); ++query)
     for (size_t s = 0; s < builder.scope().sequences.size(); ++s)
-      if (rows.has("sequence") || s == only) add_row(builder, query, s, labels[{query, s}]);
+      if (rows.has("sequence") || s == only) add_row(builder, query, s, counted_labels[{query, s}]);
   const auto labeled = asked.size() - static_cast<size_t>(std::ranges::count_if(
                                           asked, [](const auto& pairs) { return pairs.empty(); }));
-  builder.set_asked(std::move(asked));
-  return fmt::format("labels of {} in {} of {}; all other pairs are unknown",
-                     counted(rows.size(), "pair"), labeled,
-                     counted(builder.query().frames, "query frame"));
+  const size_t pairs = labels.size() - near;
+  builder.set_labels(std::move(asked), std::move(labels), is_sample);
+  return fmt::format("labels of {} in {} of {}{}{}; all other pairs are unknown",
+                     counted(pairs, "pair"), labeled,
+                     counted(builder.query().frames, "query frame"),
+                     is_sample ? ", a sample spread along the query" : "",
+                     near > 0 ? fmt::format(" ({} near the decision only set the threshold)",
+                                            counted(near, "further one"))
+                              : "");
 }
 
 }  // namespace vpr

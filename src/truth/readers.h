@@ -89,8 +89,13 @@ class GroundTruthBuilder {
   /// Reports an index `text` that is out of range and cannot become a pair.
   void report_out_of_range(std::string_view what, std::string_view text, const FrameCount& side);
 
-  /// GroundTruth::asked: one entry per query frame.
-  void set_asked(std::vector<std::vector<GroundTruth::Pair>> asked) { asked_ = std::move(asked); }
+  /// GroundTruth::asked: one entry per query frame; person_labels and is_sample.
+  void set_labels(std::vector<std::vector<GroundTruth::Pair>> asked,
+                  std::vector<PersonLabel> labels, bool is_sample) {
+    asked_ = std::move(asked);
+    labels_ = std::move(labels);
+    is_sample_ = is_sample;
+  }
 
   /// Sorts the pairs, joins them to runs and checks them. `protocol`: a description for reports.
   InspectedGroundTruth finish(std::string protocol);
@@ -114,6 +119,8 @@ class GroundTruthBuilder {
   std::vector<FrameCount> train_;
   std::vector<std::vector<GroundTruth::Pair>> pairs_;
   std::vector<std::vector<GroundTruth::Pair>> asked_;
+  std::vector<PersonLabel> labels_;
+  bool is_sample_ = false;
   size_t runs_ = 0;
   FileLocation location_;
   std::array<GroundTruthFinding, 3> findings_;

@@ -10,8 +10,9 @@ from support import folder, read_json, run, source, write
 def saved(browser, button, name=None):
     """The file that a button saves."""
     name = name or button.removeprefix("save-") + ".csv"
-    browser.evaluate(f"document.getElementById('{button}').click()")
     path = folder / name
+    path.unlink(missing_ok=True)
+    browser.evaluate(f"document.getElementById('{button}').click()")
     browser.wait(lambda: path.exists() and not (folder / f"{name}.crdownload").exists())
     return path.read_text()
 
@@ -71,6 +72,11 @@ def set_anchors(browser):
     assert letters[end] == "c", letters
 
 
+def set_tolerance(browser, frames):
+    browser.evaluate(f"""(() => {{ const input = document.getElementById('tolerance');
+        input.value = {frames}; input.dispatchEvent(new Event('input')); }})()""")
+
+
 def label_frames(browser):
     """Labels that a person gives judge the result they were made from, and another one, as the
     ground truth does."""
@@ -89,27 +95,34 @@ def label_frames(browser):
     assert browser.evaluate("[...document.images].every((one) => one.naturalWidth > 0)")
     assert len({one["row"] for one in questions}) == len(questions) > 80, len(questions)
     asked = [int(one["row"].split(",")[0]) for one in questions]
-    assert asked[:50] == sorted(asked[:50]) and asked[49] - asked[0] > 70, asked
-    browser.evaluate("document.getElementById('tolerance').value = 3")
+    for count in (10, 50):  # any prefix is spread along the query
+        first = sorted(asked[:count])
+        assert first[0] < 15 and first[-1] > 75, first
+        assert max(b - a for a, b in zip(first, first[1:])) <= 180 // count, first
+    set_tolerance(browser, 0)
     for one in questions:
         query, reference = map(int, one["row"].split(","))
         browser.press("y" if reference in truth.get(query, ()) else "n")
+    browser.open(f"{folder}/label.html")  # answers and their tolerance remain
     lines = saved(browser, "save", "labels.csv").splitlines()
-    assert lines[0] == "query,reference,label,tolerance", lines[0]
+    assert lines[0] == "query,reference,label,tolerance,asked", lines[0]
     expected = []
     for one in questions:
         query, reference = map(int, one["row"].split(","))
-        answer = "same,3" if reference in truth.get(query, ()) else "different,0"
-        expected.append(f"{query},{reference},{answer}")
+        answer = "same,0" if reference in truth.get(query, ()) else "different,0"
+        expected.append(f"{query},{reference},{answer},{'spread' if len(expected) < 50 else 'decision'}")
     assert lines[1:] == expected, (lines[:4], expected[:4])
-    correct = sum("same" in line for line in expected)
+    correct = sum("same" in line for line in expected[:50])
     own = judge("result.json", "labels.csv")
     assert own["best_match"]["correct"] == correct, (own["best_match"], correct)
-    assert own["best_match"]["frames"] == len(questions), own["best_match"]
-    text = run("vpr-eval", "result.json", "--ground-truth", "labels.csv")
-    text = " ".join(text.split())
+    assert own["best_match"]["frames"] == own["estimate"]["frames"] == 50, own["best_match"]
+    text = " ".join(run("vpr-eval", "result.json", "--ground-truth", "labels.csv").split())
+    assert f"estimated from 50 frames spread along the query: {2 * correct} % (" in text, text
+    # Labels without the column: not a sample.
+    write("plain.csv", "".join(line.rsplit(",", 1)[0] + "\n" for line in lines))
+    text = " ".join(run("vpr-eval", "result.json", "--ground-truth", "plain.csv").split())
     assert f"over {len(questions)} of 90 frames that are labeled" in text, text
-    assert "Caution: the labels were made from this result." in text, text
+    assert "not a sample of the query. Caution: the labels were made from this result." in text, text
     # Another result: matches without a label are unknown.
     write("rows.csv", "query,reference\n" + "".join(
         f"{query},{one}\n" for query in sorted(truth) for one in sorted(truth[query]) if query < 90))
@@ -118,12 +131,65 @@ def label_frames(browser):
     for frame, (by_label, by_truth) in enumerate(zip(other["outcomes"]["best"], known["outcomes"]["best"])):
         assert by_label != "w" or by_truth in "wW", (frame, by_label, by_truth)
         assert by_label != "c" or frame in same, (frame, by_label)
-    assert "Caution" not in run("vpr-eval", "other.json", "--ground-truth", "labels.csv")
-    # Only the matches that are not labeled are asked.
+    text = " ".join(run("vpr-eval", "other.json", "--ground-truth", "labels.csv").split())
+    open_matches = other["best_match"]["ignored"]
+    assert "Caution" not in text and ("estimated from" in text) == (open_matches == 0), text
+    # Only the matches that are not labeled are asked, those of the sample first. All rows are saved.
     run("vpr-eval", "other.json", "--ground-truth", "labels.csv", "--ask-frames",
         "more.html", "--quiet")
     browser.open(f"{folder}/more.html")
-    assert len(browser.evaluate("window.data.questions")) == other["outcomes"]["best"].lower().count("i")
+    more = browser.evaluate("window.data.questions")
+    known = {line.split(",")[0] for line in expected[:50]}
+    assert sum(one["end"] == "spread" for one in more) == open_matches > 0, len(more)
+    assert all((one["row"].split(",")[0] in known) == (one["end"] == "spread") for one in more)
+    for one in more:
+        browser.press("y")
+    both = saved(browser, "save", "labels.csv").splitlines()
+    assert both[1:len(lines)] == lines[1:] and len(both) == len(lines) + len(more), len(both)
+    assert judge("other.json", "labels.csv")["estimate"]["frames"] == 50
+
+
+def estimate_from_a_sample(browser):
+    """A person who knows the truth, by which 3 % of the matches are wrong, answers in three orders,
+    continues with a second page and reloads it: the interval covers the truth, whatever share of the
+    questions is answered."""
+    best = json.loads(run("vpr-eval", "result.json", "--ground-truth", "aligned", "--json"))["outcomes"]["best"]
+    frames = [frame for frame, letter in enumerate(best) if letter.lower() != "u"]
+    wrong = set(frames[11::33][:round(0.03 * len(frames))])
+    rate = 1 - len(wrong) / len(frames)
+
+    def ask(page, order, most, *labels):
+        run("vpr-eval", "result.json", *labels, "--ask-frames", page, "--quiet", "--force")
+        browser.open(f"{folder}/{page}")
+        rows = [one["row"] for one in browser.evaluate("window.data.questions")]
+        where = browser.evaluate("document.getElementById('where').textContent")
+        assert f"0 yes, 0 no, {len(rows)} open" in where, where  # nothing is answered that was not asked
+        numbers = list(range(len(rows)))[:most]
+        if order != "asked":
+            numbers = numbers[::-1] if order == "reversed" else numbers[1::2] + numbers[::2]
+        at = 0
+        for number in numbers:
+            for _ in range(abs(number - at)):
+                browser.press("ArrowRight" if number > at else "ArrowLeft")
+            browser.press("n" if int(rows[number].split(",")[0]) in wrong else "y")
+            at = number + 1
+        lines = saved(browser, "save", "labels.csv").splitlines()
+        assert len(lines) == len(set(lines)), lines
+        return lines
+
+    for order in ("asked", "reversed", "mixed"):
+        browser.evaluate("localStorage.clear()")
+        first = ask("first.html", order, 30)
+        second = ask("second.html", order, 1000, "--ground-truth", "labels.csv")
+        assert second[1:31] == [line.replace("decision", "spread") if line.split(",")[0] in
+                                {one.split(",")[0] for one in second if one.endswith("spread")} else line
+                                for line in first[1:]], (first, second)
+        for lines in (first, second):
+            write("labels.csv", "".join(line + "\n" for line in lines))
+            report = json.loads(run("vpr-eval", "result.json", "--ground-truth", "labels.csv", "--json"))
+            found = report["estimate"]
+            assert found["low"] <= rate <= found["high"], (order, found, rate)
+            assert found["frames"] == sum(line.endswith("spread") for line in lines), found
 
 
 def answer_places(browser):
@@ -139,32 +205,41 @@ def answer_places(browser):
         return browser.evaluate(f"document.getElementById('{name}').textContent")
 
     browser.open(f"{folder}/places.html")
-    assert text("where").startswith(f"1 of {count}: "), text("where")
+    questions = browser.evaluate("window.data.questions")
+    asked = len(questions)
+    place_of = [int(one["row"].split(",")[0]) for one in questions]
+    assert place_of == sorted(place_of) and set(place_of) == set(range(1, count + 1)), place_of
+    for i, place in enumerate(places, 1):
+        if place_of.count(i) == 1:  # one part: the place itself
+            assert f"{i},{place['query']},{place['sequence']},{place['train']}" in [one["row"] for one in questions]
+    assert text("where").startswith(f"1 of {asked}: "), text("where")
     assert browser.evaluate("[...document.images].every((one) => one.naturalWidth > 0)")
     browser.press("y")
     browser.press("y")
     browser.press("ArrowLeft")
     browser.press("n")
     browser.evaluate("document.getElementById('yes').click()")
+    before = browser.questions
     browser.open(f"{folder}/places.html")  # answers remain
-    assert browser.questions == 1, "the page may be left without a question"
-    assert text("where").endswith(f"2 yes, 1 no, {count - 3} open."), text("where")
+    assert browser.questions == before + 1, "the page may be left without a question"
+    assert text("where").endswith(f"2 yes, 1 no, {asked - 3} open."), text("where")
     browser.press("u")
-    for _ in range(count):  # without effect at the end
+    for _ in range(asked):  # without effect at the end
         browser.press("n")
     assert text("question") == "Done"
     lines = saved(browser, "save", "places.csv").splitlines()
-    answers = ["yes", "no", "yes", None] + ["no"] * (count - 4)
+    answers = ["yes", "no", "yes", None] + ["no"] * (asked - 4)
     assert lines[0] == "place,query,sequence,train,same", lines[0]
-    assert lines[1:] == [f"{i},{place['query']},{place['sequence']},{place['train']},{answer}"
-                         for i, (place, answer) in enumerate(zip(places, answers), 1) if answer], lines
+    assert lines[1:] == [f"{one['row']},{answer}" for one, answer in zip(questions, answers) if answer], lines
     report = json.loads(run("vpr-eval", "result.json", "--places", "places.csv", "--json"))
-    by_place = dict.fromkeys(("correct", "incorrect", "ignored"), 0)
-    for place, answer in zip(places, answers):
-        key = {"yes": "correct", "no": "incorrect", None: "ignored"}[answer]
-        by_place[key] += place["recognitions"]["ignored"]
-    assert report["counts"]["places"] == {"correct": 2, "incorrect": count - 3, "ignored": 1}
-    assert report["counts"]["pairs_by_place"] == by_place, (report["counts"], by_place)
+    by_place = report["counts"]["pairs_by_place"]
+    assert sum(report["counts"]["places"].values()) == count, report["counts"]
+    assert sum(by_place.values()) == sum(place["recognitions"]["ignored"] for place in places), by_place
+    assert min(by_place.values()) > 0, by_place
+    assert report["localization"]["correct"] > 0 < report["localization"]["incorrect"], report["localization"]
+    said = " ".join(run("vpr-eval", "result.json", "--places", "places.csv").split())
+    most = max(int(one["about"].split()[0]) for one, answer in zip(questions, answers) if answer)
+    assert f", by {asked - 1} answers, each for at most {most} frames" in said and most <= 50, said
 
 
 def relabel_with_truth(browser):
@@ -203,5 +278,5 @@ run(*query, "result.json", "--c-l", 3, "--t-r", 0.4)
 run(*query, "other.json")
 with Chromium(folder / "profile") as browser:
     browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
-    for part in (set_anchors, label_frames, answer_places, relabel_with_truth):
+    for part in (set_anchors, label_frames, estimate_from_a_sample, answer_places, relabel_with_truth):
         part(browser)

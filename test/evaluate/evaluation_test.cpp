@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/json.h"
+#include "evaluate/place_answers.h"
 #include "evaluate/report.h"
 #include "support.h"
 
@@ -111,10 +112,75 @@ TEST_CASE("answers to places judge the places, their recognitions and the frames
   CHECK(half.judgment.verdicts[0] == Verdict::ignored);
 }
 
+TEST_CASE("an answer judges at most 50 frames of a place, without a change of speed") {
+  Result result = example();
+  result.query.frames = result.query_windows = 300;
+  result.sequences[0].sequence.frames = result.sequences[0].windows = 400;
+  result.recognitions.clear();
+  // One path: at the trained speed, from frame 120 on at twice this speed.
+  for (uint32_t q = 0; q < 200; ++q)
+    result.recognitions.push_back({q, 0, q < 120 ? q : 2 * q - 120, 0, 5});
+  result.best.assign(300, std::nullopt);
+  for (const Match& one : result.recognitions) result.best[one.query] = one;
+  result.clusters->all = {{0, 100, 0, 199, 100, 0, 278, 200, 5}};
+  result.clusters->of_recognition.assign(200, 0);
+  const std::vector<PlacePart> parts = parts_of_places(result);
+  std::vector<size_t> frames;
+  std::string rows = "place,query,sequence,train,same\n";
+  for (const PlacePart& part : parts) {
+    frames.push_back(part.frames);
+    rows += answer_row(result, part) + (part.recognitions.front() >= 120 ? ",no\n" : ",yes\n");
+  }
+  CHECK(frames == std::vector<size_t>{40, 40, 40, 40, 40});
+  CHECK(answer_row(result, parts[1]) == "1,60,ref,60");
+  CHECK(answer_row(result, parts[4]) == "1,180,ref,240");
+  test::write_text("places.csv", rows);
+  EvaluationSettings by;
+  by.places = "places.csv";
+  const Evaluation found = evaluate_result(shared(result), {}, by, {});
+  CHECK(found.judgment.localization.correct == 120);
+  CHECK(found.judgment.localization.incorrect == 80);
+  CHECK(found.result->counts.recognitions_by_place == LabelCounts{120, 80, 0});
+  CHECK(found.result->counts.clusters == LabelCounts{1, 0, 0});  // by its middle part
+  CHECK(found.result->answers->answers == 5);
+  CHECK(found.result->answers->most_frames == 40);
+  CHECK(found.truth.protocol == "5 answers to 5 parts of 1 place");
+}
+
+TEST_CASE("a sample of labels estimates the share of correct best matches, and sets a threshold") {
+  test::write_text("labels.csv",
+                   "query,reference,label,tolerance,asked\n0,0,same,0,spread\n1,1,same,0,spread\n"
+                   "2,0,different,0,decision\n");
+  EvaluationSettings by;
+  by.ground_truth = GroundTruthArgument{"labels", "labels.csv", 0};
+  const Evaluation found = evaluate_result(shared(example()), {}, by, {});
+  REQUIRE(estimated_recall(found));
+  CHECK(estimated_recall(found)->frames == 2);
+  CHECK(estimated_recall(found)->rate == 1);
+  CHECK(labeled_threshold(found)->labels == 3);
+  CHECK(labeled_threshold(found)->threshold == 7);
+  CHECK(labeled_threshold(found)->accepted == 2);
+  CHECK(report_json(report_of(found, {}))["estimate"]["frames"] == 2);
+  // The label of a frame of the sample that is of another match estimates nothing.
+  test::write_text(
+      "labels.csv",
+      "query,reference,label,tolerance,asked\n0,0,same,0,spread\n1,3,different,0,spread\n");
+  CHECK_FALSE(estimated_recall(evaluate_result(shared(example()), {}, by, {})));
+}
+
+TEST_CASE("an estimated share has the interval of Wilson") {
+  const Estimate found = estimate_share(47, 50);
+  CHECK(found.rate == 0.94);
+  CHECK(found.interval.low == Approx(0.8378).margin(5e-5));  // statsmodels 0.13, method wilson
+  CHECK(found.interval.high == Approx(0.9794).margin(5e-5));
+  CHECK(estimate_share(0, 10).interval.low == Approx(0).margin(1e-12));
+  CHECK(estimate_share(10, 10).interval.high == Approx(1));
+}
+
 TEST_CASE("answers that do not fit the places of a result are refused, with their line") {
   const auto error = [&](const std::string& text, Result result = example()) {
     test::write_text("p.csv", text);
-    return test::error_text([&] { read_place_answers("p.csv", result); });
+    return test::error_text([&] { read_place_answers("p.csv", result, parts_of_places(result)); });
   };
   const std::string header = "place,query,sequence,train,same\n";
   using Catch::Contains;

@@ -70,6 +70,21 @@ TEST_CASE("the headline counts incorrect pairs next to correct frames") {
   CHECK_FALSE(has(summary_sentence(evaluation, {}), "pair"));
 }
 
+TEST_CASE("the headline of a sample of labels is an estimate with its interval") {
+  Evaluation evaluation = evaluation_of(std::string(44, 'r') + "w....." + std::string(50, ','));
+  evaluation.truth.asked.resize(100);
+  evaluation.truth.is_sample = true;
+  for (size_t q = 0; q < 50; ++q)
+    evaluation.judgment.outcomes.queries[q].verdict =
+        q < 47 ? Verdict::correct : Verdict::incorrect;
+  CHECK(
+      summary_sentence(evaluation, {}) ==
+      "Best match correct, estimated from 50 frames spread along the query: 94 % (84 to 98 %). 45 "
+      "of these frames recognized, 1 of them incorrectly (0 to 12 %).");
+  evaluation.judgment.outcomes.queries[3].verdict = Verdict::ignored;
+  CHECK(has(summary_sentence(evaluation, {}), "1 of their best matches"));
+}
+
 TEST_CASE("without a ground truth nothing is judged, and answers to places may be missing") {
   Evaluation evaluation = evaluation_of(".i");
   evaluation.judgment.by = JudgedBy::nothing;

@@ -74,6 +74,21 @@ TEST_CASE("pairs without a label are unknown") {
   CHECK(other.has_match(1));
 }
 
+TEST_CASE("labels near the decision are not in the sample") {
+  write_text("labels.csv",
+             "query,reference,label,tolerance,asked\n0,4,same,1,spread\n1,3,different,0,decision\n"
+             "2,9,different,0,spread\n");
+  const GroundTruth truth = read_ground_truth({"", "labels.csv"}, {{"q", 3}, {{{"t", 10}}}});
+  CHECK(draw(truth, 3, 10) == "iiiSSSiiii iiiiiiiiii iiiiiiiii.");
+  CHECK(truth.is_sample);
+  CHECK_FALSE(truth.has_match(1));
+  CHECK(truth.person_labels.size() == 3);
+  CHECK(truth.protocol ==
+        "labels of 2 pairs in 2 of 3 query frames, a sample spread along the query (1 further one "
+        "near the decision only set the threshold); all other pairs are unknown");
+  CHECK_FALSE(read_labels_of(kHeader + "0,4,same,1\n").is_sample);
+}
+
 TEST_CASE("labels without rows, out of range or in contradiction are refused") {
   const auto refused = [](const std::string& rows, const std::string& words, int tolerance = 0) {
     CHECK_THROWS_WITH(read_labels_of(kHeader + rows, tolerance), Catch::Contains(words));
