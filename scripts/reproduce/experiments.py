@@ -61,6 +61,10 @@ def run_grid(experiment, laboratory):
     for measured in ours:
         groups.setdefault((measured.row["data"], measured.row["query"]), []).append(measured)
     for (name, query), group in groups.items():
+        if reason := laboratory.data(name).lacks(query):
+            for measured in group:
+                measured.reason = reason
+            continue
         grids = {"--" + key.replace("_", "-"): [measured.row[key] for measured in group] for key in keys}
         cells = laboratory.sweep(method, name, query, grids)
         for measured in group:
@@ -84,6 +88,9 @@ def run_floor(experiment, laboratory):
     ours = []
     for row in experiment["rows"]:
         data = laboratory.data(row["data"])
+        if reason := data.lacks(row["query"]):
+            ours.append(Measured(row, reason=reason))
+            continue
         query = data.query(row["query"])
         if row["method"] == "FastABLE":
             ours.append(run_windows(laboratory, data, row, "ground_truth" in query))

@@ -82,6 +82,10 @@ KINDS = {
 }
 
 
+# A finding about absence is measured only in rows in which something was recognized.
+ABSENCE = ("zero", "never rises with", "not more than")
+
+
 def number(value):
     """A number, or the bound of a text such as "over 50"; None if there is none."""
     if isinstance(value, str):
@@ -137,8 +141,27 @@ def pairs(finding, cells, all_cells, whose):
     return parts
 
 
+def is_silent(cell, all_cells):
+    """Whether our row of a cell has only zeros: nothing was recognized, neither right nor wrong."""
+    own = settings_of(cell, ("measure",))
+    others = [number(other["ours"]) for other in all_cells
+              if other["measure"] != cell["measure"] and settings_of(other, ("measure",)) == own]
+    return bool(others) and number(cell["ours"]) == 0 and all(value == 0 for value in others)
+
+
+def spoken(finding, cells, all_cells):
+    """The cells of rows in which something was recognized; of series with such a row."""
+    loud = [cell for cell in cells if not is_silent(cell, all_cells)]
+    if KINDS[finding["kind"]][0] != "series":
+        return loud
+    series_of = [settings_of(cell, finding["over"]) for cell in loud]
+    return [cell for cell in cells if settings_of(cell, finding["over"]) in series_of]
+
+
 def parts_of(finding, all_cells, whose):
     cells = select(all_cells, finding["where"])
+    if finding["kind"] in ABSENCE and whose == "ours":
+        cells = spoken(finding, cells, all_cells)
     shape = KINDS[finding["kind"]][0]
     if shape == "series":
         parts = series(finding, cells, whose)
@@ -155,7 +178,9 @@ def reason_of(finding, cells):
     where = finding["where"]
     used = select(cells, where) + select(cells, {**where, **finding.get("than", {})})
     reasons = dict.fromkeys(cell["unmeasured"] for cell in used if cell.get("unmeasured"))
-    return "; ".join(reasons) or "there are no such numbers"
+    is_silence = finding["kind"] in ABSENCE and used and not spoken(finding, used, cells)
+    return "; ".join(reasons) or ("nothing was recognized" if is_silence
+                                  else "there are no such numbers")
 
 
 def check(finding, cells, whose="ours"):
@@ -169,16 +194,16 @@ def check(finding, cells, whose="ours"):
     judge = KINDS[finding["kind"]][1]
     fits = [bool(judge(part, finding)) for part in parts]
     is_series = KINDS[finding["kind"]][0] == "series"
-    return {"holds": sum(fits) >= finding.get("rows", len(fits)),
+    return {"holds": sum(fits) >= min(finding.get("rows", len(fits)), len(fits)),
             "parts": [{"settings": part.settings, "values": part.values,
                        **({"over": part.others} if is_series else
                           {"than": part.others} if part.others else {}), "fits": fit}
                       for part, fit in zip(parts, fits)]}
 
 
-def check_all(experiment, cells):
-    """The findings for the JSON, with the outcome on our numbers."""
-    words = ("finding", "place", "kind", "contradicted", "unchecked", "tried")
+def check_all(experiment, cells, is_stand_in=True):
+    """The findings for the JSON, with the outcome on our numbers. What was tried is about stand-ins."""
+    words = ("finding", "place", "kind", "contradicted", "unchecked", *(["tried"] if is_stand_in else []))
     subject = SUBJECTS[experiment["kind"] == "bench"]
     return [{**{key: finding[key] for key in words if key in finding}, "subject": subject,
              **check(finding, cells)} for finding in experiment["findings"]]
@@ -249,6 +274,12 @@ def lines(outcomes):
             f"{counts['hold']} of {counts['hold'] + counts['fail']} findings hold{missing}."]
 
 
+def failing_lines(results):
+    """The findings that do not hold, a line each."""
+    return [f"- {line(outcome)}" for result in results for outcome in counted(result["findings"])
+            if outcome["holds"] is False]
+
+
 def failing(results):
     """The findings that do not hold, as Markdown."""
     outcomes = [outcome for result in results for outcome in counted(result["findings"])]
@@ -271,9 +302,22 @@ def holding(results):
     return lines
 
 
+PAGE = """# Reproduction of the paper
+
+<!-- failing: begin -->
+<!-- failing: end -->
+
+## Findings by experiment
+
+<!-- holding: begin -->
+<!-- holding: end -->
+"""
+
+
 def write_page(path, results, context):
-    """Replaces the blocks of a page, between lines such as "<!-- failing: begin -->"."""
-    text = path.read_text()
+    """Replaces the blocks of a page, between lines such as "<!-- failing: begin -->". A page that does
+    not exist has only these blocks."""
+    text = path.read_text() if path.exists() else PAGE
     for name, block in (("failing", [context, "", *failing(results)]), ("holding", holding(results))):
         begin, end = (f"<!-- {name}: {edge} -->\n" for edge in ("begin", "end"))
         before, rest = text.split(begin)

@@ -107,6 +107,11 @@ class DataSet:
         run(f"render the stand-in {self.name}", "vpr-synth", world, "-o", self.description.parent,
             "--force")
 
+    def lacks(self, query):
+        """Why a query cannot be measured; empty if it can."""
+        names = [one["name"] for one in self.content["queries"]]
+        return "" if query in names else f"the recordings have no query {query}"
+
     def query(self, name):
         found = [query for query in self.content["queries"] if query["name"] == name]
         if not found:

@@ -43,10 +43,11 @@ def arguments_of(words):
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out", metavar="DIR",
                         help="folder of outputs (default: out)")
     parser.add_argument("--page", type=pathlib.Path, metavar="FILE", help=(
-        "with all: write the findings into this page, as docs/benchmarks/reproduction.md"))
+        "with all: write the findings into this page, as docs/benchmarks/reproduction.md, or into a "
+        "new one"))
     arguments = parser.parse_args(words)
-    if arguments.page and (arguments.experiment != "all" or arguments.data or arguments.quick):
-        parser.error("--page needs all, without --data and --quick")
+    if arguments.page and arguments.experiment != "all":
+        parser.error("--page needs all")
     return arguments
 
 
@@ -116,7 +117,7 @@ class Reproduction:
             say(f"{name}: not repeated, {self.out / name}.json has the same programs, settings and "
                 "data (--again repeats it)")
             result = self.stored(name)
-            result["findings"] = findings.check_all(experiment, result["cells"])
+            result["findings"] = findings.check_all(experiment, result["cells"], not self.data)
             result["summary"] = findings.summary(result["findings"])
         else:
             result = self.measure(name, experiment)
@@ -136,7 +137,7 @@ class Reproduction:
         if experiment["kind"] == "bench":
             real = self.data and experiments.is_nordland(experiment["commands"][0])
             data = ["Nordland"] if real else ["generated codes, a stand-in"]
-        outcomes = findings.check_all(experiment, cells)
+        outcomes = findings.check_all(experiment, cells, not self.data)
         quick = " (quick: not the paper's sizes)" if self.is_quick else ""
         return {"schema": "vpr.reproduction/3", "experiment": name,
                 "title": f"{experiment['title']}{quick}: {', '.join(data)}",
@@ -177,8 +178,13 @@ def context_of(results):
     """The programs and machine of a page."""
     taken = minutes(sum(result["timing"]["elapsed_s"] for result in results))
     commits = ", ".join(sorted({result["provenance"]["commit"] for result in results}))
-    return (f"Rendered stand-ins and generated codes, commit {commits}. All experiments together took "
-            f"{taken} on {len(os.sched_getaffinity(0))} cores.")
+    used = sorted({title for result in results for title in result["data"]})
+    sizes = " Small images and short measurements (--quick): the numbers do not describe the paper." \
+        if any(result["quick"] for result in results) else ""
+    is_rendered = all(data["stand_in"] for result in results for data in result["provenance"]["data"])
+    data = "Rendered stand-ins and generated codes" if is_rendered else "; ".join(used)
+    return (f"{data}, commit {commits}. All experiments together took {taken} on "
+            f"{len(os.sched_getaffinity(0))} cores.{sizes}")
 
 
 def main():
@@ -198,12 +204,15 @@ def main():
     print("\n".join(findings.summary_table(
         [outcome for result in results.values() for outcome in result["findings"]])))
     print(f"\nTables: {reproduction.out}/*.md, figures: {reproduction.out}/figures")
+    if arguments.quick:
+        print("\nFindings that do not hold at these sizes:\n")
+        print("\n".join(findings.failing_lines(results.values())))
+    if arguments.page and results:
+        findings.write_page(arguments.page, list(results.values()), context_of(results.values()))
     for name, failure in failures.items():
         print(f"Failed: {name}: {failure}")
     if failures:
         sys.exit(1)
-    if arguments.page:
-        findings.write_page(arguments.page, list(results.values()), context_of(results.values()))
 
 
 if __name__ == "__main__":

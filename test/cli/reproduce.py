@@ -10,6 +10,7 @@ from support import call, folder, read_json, source, stub, with_path, write
 sys.path.insert(0, str(source / "scripts/reproduce"))
 import experiments  # noqa: E402
 import findings  # noqa: E402
+import laboratory as experiments_laboratory  # noqa: E402
 import reproduce  # noqa: E402
 import tables  # noqa: E402
 
@@ -170,10 +171,62 @@ def check_that_it_can_fail(name, experiment):
         if "needs" in finding:
             assert findings.check(finding, cells)["holds"] is None, f"{name}: {finding['finding']}"
             continue
-        draws = (lambda: 0, lambda: 1e6, lambda: engine.randrange(3), *[lambda: engine.randrange(1000)] * 20)
+        draws = (lambda: 1e6, lambda: engine.randrange(3), *[lambda: engine.randrange(1000)] * 20)
         found = {findings.check(finding, [{**cell, "ours": draw()} for cell in cells])["holds"] for draw in draws}
         assert False in found, f"{name}: nothing refutes \"{finding['finding']}\": {found}"
         assert None not in found, f"{name}: \"{finding['finding']}\" finds no numbers"
+
+
+def check_absence():
+    """That nothing is wrong is a finding only where something is right; rows without both do not count."""
+    def cells(*rows):
+        return [{"c_l": c_l, "measure": measure, "ours": value} for c_l, right, wrong in rows
+                for measure, value in (("right", right), ("wrong", wrong))]
+
+    none = {"kind": "zero", "where": {"measure": "wrong"}}
+    falling = {"kind": "never rises with", "where": {"measure": "wrong"}, "over": ["c_l"]}
+    for finding in (none, falling):
+        silent = findings.check(finding, cells((1, 0, 0), (2, 0, 0)))
+        assert (silent["holds"], silent["reason"]) == (None, "nothing was recognized"), silent
+        assert findings.check(finding, cells((1, 3, 0), (2, 0, 0)))["holds"] is True
+    assert len(findings.check(none, cells((1, 3, 0), (2, 0, 0)))["parts"]) == 1
+    assert findings.check({**none, "rows": 2}, cells((1, 3, 0), (2, 0, 0)))["holds"] is True
+    assert findings.check(none, cells((1, 3, 0), (2, 0, 1)))["holds"] is False
+    tried = {"kind": "sequence", "findings": [{"finding": "F", "place": "P", **none, "tried": "T"}]}
+    for is_stand_in in (True, False):
+        [outcome] = findings.check_all(tried, cells((1, 3, 1)), is_stand_in)
+        assert ("T" in findings.line(outcome)) == is_stand_in, outcome
+        assert findings.failing_lines([{"findings": [outcome]}]) == [f"- {findings.line(outcome)}"]
+
+
+def check_missing_query():
+    """A table is made from the recordings that are there."""
+    class Data:
+        content = {"queries": [{"name": "short"}]}
+        lacks = experiments_laboratory.DataSet.lacks
+
+    class Laboratory:
+        def data(self, name):
+            return Data()
+
+        def sweep(self, method, name, query, grids):
+            assert query == "short", query
+            return {(1, 0.5): {"counts": {"pairs": {"correct": 5, "incorrect": 0, "ignored": 0}, "distinct": 2}}}
+
+    rows = [{"sequence": query, "data": "d", "query": query, "c_w": 1, "t_p": 0.5, "distinct": 3}
+            for query in ("short", "long")]
+    measured = experiments.run_grid({"kind": "fabmap", "rows": rows}, Laboratory())
+    assert [one.ours.get("distinct") for one in measured] == [2, None], measured
+    assert measured[1].reason == "the recordings have no query long", measured[1]
+
+
+def check_new_page():
+    """A page that does not exist is made."""
+    outcome = {"finding": "F", "place": "P", "subject": "recognition", "holds": False,
+               "parts": [{"settings": {}, "values": [1], "fits": False}]}
+    findings.write_page(folder / "new.md", [{"title": "Table", "findings": [outcome]}], "Context.")
+    text = (folder / "new.md").read_text()
+    assert "Context." in text and "| F | P | 1 |" in text and "| Table | 0 | 1 |" in text, text
 
 
 def cells_of(values, **settings):
@@ -298,3 +351,6 @@ check_kinds()
 check_missing()
 check_unmeasured()
 check_page()
+check_absence()
+check_missing_query()
+check_new_page()
