@@ -4,10 +4,11 @@
   gpx.py tuesday.gpx -o tuesday.csv
 
 The CSV has the columns lat and lon, and time if the track has times (UTC). It holds the points
-of all tracks and segments in the order of the file; waypoints and routes are ignored. A document
-type, and therefore every entity, is refused.
+of all tracks and segments in the order of the file; waypoints and routes are ignored, and, in a
+track with times, points without one. A document type, and therefore every entity, is refused.
 """
 import re
+import sys
 import xml.etree.ElementTree
 
 import common
@@ -41,8 +42,11 @@ def convert(arguments):
         points.append((point.get("lat").strip(), point.get("lon").strip(), *times[:1]))
     if not points:
         fail("has no track points (<trkpt>); waypoints and routes are not a recording")
-    if len({len(point) for point in points}) > 1:
-        fail("some track points have a time, others do not")
+    timed = [point for point in points if len(point) == 3 and point[2]]
+    if timed and len(timed) < len(points):
+        print(f"gpx.py: warning: {path}: {len(points) - len(timed)} of {len(points)} track points have no time "
+              "and are omitted", file=sys.stderr)
+        points = timed
     if any("," in field for point in points for field in point):
         fail("a time has a comma")
     header = ("lat", "lon", "time")[:len(points[0])]

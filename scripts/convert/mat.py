@@ -77,14 +77,18 @@ def convert(arguments):
     path = arguments.source
     with open(path, "rb") as file:
         start = file.read(520)
+    # Octave's own formats, which save writes without an option.
+    if start.startswith((b"# Created by Octave", b"Octave-1-")):
+        raise common.Refusal(common.DATA, f"{path}: is in Octave's own format. Save it in Octave "
+                                          f"with: save -v7 {path.stem}.mat NAME")
     is_hdf5 = start.startswith((b"\x89HDF\r\n", b"MATLAB 7.3"))
     try:
         values = (read_hdf5 if is_hdf5 else read_mat)(path, arguments.variable)
     except (common.Refusal, MemoryError):
         raise
     except Exception as error:  # the libraries raise many kinds for damaged files
-        raise common.Refusal(common.DATA, f"{path}: is not a readable MAT-file "
-                                          f"({error})") from None
+        raise common.Refusal(common.DATA, f"{path}: is not a readable MAT-file ({error}). If Octave wrote a "
+                                          "sparse matrix, save full(NAME)") from None
     if values.dtype.kind not in "biuf":
         raise common.Refusal(common.DATA, f"{path}: the matrix is not of real numbers")
     output = io.BytesIO()

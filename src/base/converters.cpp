@@ -16,7 +16,8 @@ struct Converter {
   std::string_view format;
   std::string_view what;
   std::string_view script;
-  bool makes_arrays = false;  ///< its output is an array of any kind, not only ground truth
+  std::string_view before = {};  ///< a command that makes the input of the script
+  bool makes_arrays = false;     ///< its output is an array of any kind, not only ground truth
   bool (*reads)(const fs::path& path, std::string_view start) = nullptr;
 };
 
@@ -33,19 +34,24 @@ bool is_image(const fs::path&, std::string_view start) {
 }
 
 constexpr Converter kConverters[] = {
-    {"mat", "a MAT-file", "mat.py", true,
+    {"mat", "a MAT-file", "mat.py", "", true,
      [](const fs::path& path, std::string_view start) {
        return path.extension() == ".mat" || start.starts_with("MATLAB ") ||
               start.starts_with("\x89HDF\r\n");
      }},
-    {"openfabmap", "OpenCV's YAML", "openfabmap.py", true, is_opencv_yaml},
-    {"gpx", "a GPX track", "gpx.py", false,
+    {"openfabmap", "OpenCV's YAML", "openfabmap.py", "", true, is_opencv_yaml},
+    {"gpx", "a GPX track", "gpx.py", "", false,
      [](const fs::path& path, std::string_view start) {
        return path.extension() == ".gpx" || start.find("<gpx") != std::string_view::npos;
      }},
-    {"mask", "an image", "mask.py", false, is_image},
-    {"openseqslam2", "OpenSeqSLAM2's CSV", "openseqslam2.py", false, nullptr},
-    {"vpr-bench", "an array of Python objects", "vpr_bench.py", false,
+    {"nmea", "an NMEA log", "gpx.py", "gpsbabel -i nmea -f LOG -o gpx -F track.gpx, then ", false,
+     [](const fs::path&, std::string_view start) {
+       return start.size() > 6 && start[0] == '$' && start[6] == ',' &&
+              (start[1] == 'G' || start[1] == 'B');
+     }},
+    {"mask", "an image", "mask.py", "", false, is_image},
+    {"openseqslam2", "OpenSeqSLAM2's CSV", "openseqslam2.py", "", false, nullptr},
+    {"vpr-bench", "an array of Python objects", "vpr_bench.py", "", false,
      [](const fs::path&, std::string_view start) {
        const auto header = parse_npy_header(start);
        return header && header->type == "|O" && !header->shape.empty();  // not a dict
@@ -57,16 +63,16 @@ void refuse_convertible(const fs::path& path, std::string_view start, bool array
   for (const Converter& converter : kConverters)
     if (converter.reads != nullptr && (converter.makes_arrays || !arrays_only) &&
         converter.reads(path, start))
-      throw Error(ErrorKind::usage, "{} is {}: convert it with scripts/convert/{}", path.string(),
-                  converter.what, converter.script);
+      throw Error(ErrorKind::usage, "{} is {}: convert it with {}scripts/convert/{}", path.string(),
+                  converter.what, converter.before, converter.script);
 }
 
 void refuse_convertible_format(std::string_view format) {
   for (const Converter& converter : kConverters)
     if (converter.format == format)
       throw Error(ErrorKind::usage,
-                  "Programs do not read the format {}: convert it with scripts/convert/{}", format,
-                  converter.script);
+                  "Programs do not read the format {}: convert it with {}scripts/convert/{}",
+                  format, converter.before, converter.script);
 }
 
 }  // namespace vpr

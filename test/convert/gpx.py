@@ -37,8 +37,11 @@ support.named(folder / "t.gpx", "gpx.py", *gps)
 
 support.good(converted(track(point(52) + point(53))))
 assert (folder / "t.csv").read_text() == "lat,lon\n52,13\n53,13\n"
+# A point without time keeps the others.
+found = converted(track(point(52, "2024-05-01T12:00:02Z") + point(53) + point(54, "2024-05-01T12:00:03Z")))
+assert found.returncode == 0 and "1 of 3 track points have no time" in found.stderr, found
+assert (folder / "t.csv").read_text() == "lat,lon,time\n52,13,2024-05-01T12:00:02Z\n54,13,2024-05-01T12:00:03Z\n"
 for text, words in (
-        (track(point(52, "2024-05-01T12:00:02Z") + point(52)), "others do not"),
         (track('<trkpt lat="52"/>'), "track point 0 has no latitude or longitude"),
         (track(""), "no track points"), ("<kml/>", "<kml>"), (track(point(52))[:-22], "damaged XML"),
         ("", "damaged XML"), ("<gpx><trk></gpx>", "damaged XML"),

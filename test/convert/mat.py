@@ -57,6 +57,9 @@ support.refused(convert(folder / "m.mat", "-o", folder / "x.npy", "--variable", 
 support.refused(convert(folder / "m.mat", "-o", folder / "o.npy"), 2, "--force")
 support.refused(convert(folder / "none.mat", "-o", folder / "x.npy"), 3, "none.mat")
 support.refused(convert(folder / "m.mat", "-o", folder / "none/x.npy"), 3, "No such file")
+for start in (b"# Created by Octave 7.3.0, Sat Nov 28 12:00:00 2026 UTC <me@there>\n# name: A\n", b"Octave-1-L\0"):
+    (folder / "octave.mat").write_bytes(start)
+    support.refused(convert(folder / "octave.mat", "-o", folder / "x.npy"), 4, "save -v7")
 scipy_io.savemat(folder / "c.mat", {"loops": truth * 1j})
 support.refused(convert(folder / "c.mat", "-o", folder / "x.npy"), 4, "real numbers")
 scipy_io.savemat(folder / "e.mat", {"scale": 3.0, "title": "x"})

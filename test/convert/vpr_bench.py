@@ -31,6 +31,19 @@ check(table([(0, [1, 2]), (1, []), (2, (0,))], (3, 2)), two)
 check(table([(0, numpy.array([1, 2])), (1, range(0)), (2, [numpy.int64(0)])], (3, 2)), two)
 check(table([[1, 2], numpy.array([], dtype=int), [0.0]], 3), two)
 
+# GSV-Cities' integers, one row per query; and VPR-Bench's matches, which are not a ground truth.
+for array, expected in (([[1], [0]], "query,reference\n0,1\n1,0\n"), ([1, 0], "query,reference\n0,1\n1,0\n"),
+                        ([[1, 2], [0, 3]], "query,reference\n0,1\n0,2\n1,0\n1,3\n")):
+    numpy.save(folder / "i.npy", numpy.array(array))
+    check(folder / "i.npy", expected)
+numpy.save(folder / "s.npy", numpy.array([0.5, 1]))
+for path, words in ((table([0.5, 1.5], 2), "precomputed_data_corrected.npy"),
+                    (table([(0.5, [1], [2])] * 2, (2, 3)), "precomputed_data_corrected.npy"),
+                    (folder / "s.npy", "other values than integers")):
+    refused = convert(path)
+    assert refused.returncode != 0 and words in refused.stderr, refused
+table([(0, [1, 2]), (1, []), (2, (0,))], (3, 2))
+
 # The programs read its output, and refuse its input with advice.
 pairs = folder / "pairs.csv"
 pairs.write_text(two)
