@@ -111,12 +111,13 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
                   kGroundTruthGroup)
       .choices("FORMAT", format_names());
   command.add_footer("Ground truth formats:\n" + format_summaries());
-  add_path("--ground-truth-train", options.reference,
-           "poses of the training sequence, for poses, tum, kitti, euroc, gps and utm, and for "
-           "anchors with --radius");
+  add_path(
+      "--ground-truth-train", options.reference,
+      "poses of the training sequence, for poses, trajectories, gps and utm, and for anchors with "
+      "--radius");
   add_number("--radius", options.radius_m,
-             "largest distance of the same place in meters, for poses, tum, kitti, euroc, gps, utm "
-             "and anchors (default for utm: 25)");
+             "largest distance of the same place in meters, for poses, trajectories, gps, utm and "
+             "anchors (default for utm: 25)");
   add_number("--ignore-radius", options.ignore_radius_m,
              "pairs farther apart than --radius, up to this distance in meters, are ignored");
   add_number("--angle", options.angle_deg,
@@ -126,9 +127,10 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
              "training frames per query frame, for aligned: query frame i shows training frame "
              "STEP * i (default: 1)");
   add_path("--soft", options.soft, "pairs to ignore, for matrix (.npy)");
-  add_path("--query-times", options.query.times,
-           "times of the query frames, for tum, kitti, euroc and gps: a list, a folder of images "
-           "with times as names, or a video; poses are matched by time");
+  add_path(
+      "--query-times", options.query.times,
+      "times of the query frames, for trajectories and gps: a list, a folder of images with times "
+      "as names, or a video; poses are matched by time");
   add_path("--train-times", options.train.times,
            "times of the training frames, as for --query-times");
   add_path("--query-pose-times", options.query.pose_times,
@@ -136,8 +138,9 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
   add_path("--train-pose-times", options.train.pose_times,
            "times of the poses of --ground-truth-train, for kitti");
   add_path("--query-images", options.query.images,
-           "images of the query, for gps with a CSV file image,lat,lon");
-  add_path("--train-images", options.train.images, "images of the training sequence, for gps");
+           "images of the query, for gps and trajectories that name their frames");
+  add_path("--train-images", options.train.images,
+           "images of the training sequence, as for --query-images");
   add_number("--max-difference", options.max_difference_s,
              "longest time from a frame to its nearest pose in seconds (default: 0.02; gps: 1)");
   add_number("--offset", options.query.offset_s,

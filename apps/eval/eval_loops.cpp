@@ -1,11 +1,16 @@
 #include <cmath>
 #include <memory>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "base/error.h"
+#include "base/named_table.h"
 #include "base/stopwatch.h"
 #include "eval.h"
 #include "evaluate/metrics.h"
 #include "loops/loops_report.h"
+#include "truth/layouts.h"
 #include "truth/times.h"
 
 namespace vpr {
@@ -54,6 +59,7 @@ LoopsEvaluation evaluate(const LoopInputs& inputs, const Monitor& monitor) {
                  parse_loop_gap(inputs.gap, "--gap"),
                  inputs.scores.is_distance ? ScoreOrder::distance : ScoreOrder::similarity};
   found.trajectory = read_trajectory(inputs.poses, inputs.times);
+  warn_of_steps(found.trajectory, monitor);
   LoopListRules rules;
   rules.frames = inputs.frames;
   if (const auto seconds = inputs.max_difference_s) {
@@ -79,6 +85,10 @@ LoopsEvaluation evaluate(const LoopInputs& inputs, const Monitor& monitor) {
                   path.string());
   }
   found.judgment = judge_loops(found.list, found.trajectory, found.rules);
+  if (const std::string fault =
+          gap_fault(found.rules.gap, found.trajectory.times_ns, found.trajectory.poses.size());
+      !fault.empty())
+    warn(monitor, "{}: --gap {} {}. Check the unit of its times", inputs.poses, inputs.gap, fault);
   if (inputs.angle_deg) warn_of_headings(inputs.poses, found.trajectory.poses, monitor);
   if (inputs.scores.has_order()) warn_of_order(found, monitor);
   return found;
@@ -133,7 +143,8 @@ void add_loops(Program& program) {
       .required();
   command
       .add_option("--poses", inputs->poses,
-                  "trajectory of the frames; TUM, KITTI, EuRoC, or CSV frame,x,y in meters",
+                  fmt::format("trajectory of the frames: {}, or a CSV frame,x,y or lat,lon",
+                              fmt::join(names_of(layouts()), ", ")),
                   kEssentialGroup, "FILE")
       .required();
   add_nearness_flags(command, *inputs);

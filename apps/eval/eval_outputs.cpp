@@ -35,8 +35,9 @@ TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluati
   }
   std::optional<bool> is_on_earth;
   std::optional<LocalPlane> plane;  // tangent at the first frame
-  const auto read = [&](const std::filesystem::path& path, const GroundTruthOptions& times) {
-    Trajectory train = read_train_poses(path, times, monitor);
+  const auto read = [&](const std::filesystem::path& path, const GroundTruthOptions& times,
+                        const NameReader& reader) {
+    Trajectory train = read_train_poses(path, times, reader, monitor);
     if (train.poses.empty()) return train.poses;
     if (is_on_earth.value_or(train.is_on_earth) != train.is_on_earth)
       throw Error(ErrorKind::data,
@@ -50,9 +51,9 @@ TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluati
     Poses& poses = positions.emplace_back();
     const auto train = std::ranges::find(dataset.train, sequence.name, &NamedSequence::name);
     if (train != dataset.train.end() && !train->poses.empty())
-      poses = read(train->poses, {});
+      poses = read(train->poses, {}, names);
     else if (!options.reference.empty() && searched)
-      poses = read(options.reference, options);
+      poses = read(options.reference, options, names);
     if (sequence.selection.is_all() || poses.empty()) continue;
     poses.resize(sequence.recorded_frames());
     poses = selected(std::move(poses), sequence.selection);

@@ -22,18 +22,53 @@ enum class Quantity { none, time, length, angle };
 struct Role {
   std::string_view name;
   Quantity quantity;
-  std::array<std::string_view, 4> others = {};
+  std::vector<std::string_view> others = {};
+  /// Names of other programs, in lower case, which count only if no column has a name above. One
+  /// that begins with a point is the end of a name, as in "field.pose.position.x".
+  std::vector<std::string_view> foreign = {};
 };
-constexpr Role kRoles[] = {
-    {"time", Quantity::time, {"timestamp", "time stamp", "time_stamp", "stamp"}},
-    {"x", Quantity::length},
-    {"y", Quantity::length},
-    {"z", Quantity::length},
-    {"heading", Quantity::angle},
-    {"lat", Quantity::angle, {"latitude"}},
-    {"lon", Quantity::angle, {"lng", "long", "longitude"}},
-    {"image", Quantity::none, {"name", "file", "filename"}},
-    {"score", Quantity::none, {"distance", "similarity", "rank"}}};
+
+const std::vector<Role>& roles() {
+  static const std::vector<Role> kRoles = {
+      {"time",
+       Quantity::time,
+       {"timestamp", "time stamp", "time_stamp", "stamp"},
+       {".header.stamp", "%time", "gpstime", "gps_time", "datetime", "date time", "date_time"}},
+      {"sec", Quantity::none, {"secs"}, {".secs", ".sec"}},
+      {"nsec", Quantity::none, {"nsecs", "nanosec"}, {".nsecs", ".nsec", ".nanosec"}},
+      {"x",
+       Quantity::length,
+       {},
+       {"tx", "t_x", "px", "p_x", "pos_x", "position_x", "p_rs_r_x", "translation_x", "easting",
+        "east", ".position.x", ".translation.x"}},
+      {"y",
+       Quantity::length,
+       {},
+       {"ty", "t_y", "py", "p_y", "pos_y", "position_y", "p_rs_r_y", "translation_y", "northing",
+        "north", ".position.y", ".translation.y"}},
+      {"z",
+       Quantity::length,
+       {},
+       {"tz", "t_z", "pz", "p_z", "pos_z", "position_z", "p_rs_r_z", "translation_z", "altitude",
+        ".position.z", ".translation.z"}},
+      {"qx", Quantity::none, {"q_x"}, {"q_rs_x", "quat_x", ".orientation.x", ".rotation.x"}},
+      {"qy", Quantity::none, {"q_y"}, {"q_rs_y", "quat_y", ".orientation.y", ".rotation.y"}},
+      {"qz", Quantity::none, {"q_z"}, {"q_rs_z", "quat_z", ".orientation.z", ".rotation.z"}},
+      {"qw", Quantity::none, {"q_w"}, {"q_rs_w", "quat_w", ".orientation.w", ".rotation.w"}},
+      {"heading", Quantity::angle},
+      {"lat", Quantity::angle, {"latitude"}, {"gps_lat", "gps_latitude", ".latitude"}},
+      {"lon",
+       Quantity::angle,
+       {"lng", "long", "longitude"},
+       {"gps_lon", "gps_lng", "gps_longitude", ".longitude"}},
+      {"image",
+       Quantity::none,
+       {"name", "file", "filename"},
+       {"image_name", "image_path", "image_file", "image_filename", "img_name", "file_name",
+        "frame_name", "filepath", "path", "img", "key", "photo"}},
+      {"score", Quantity::none, {"distance", "similarity", "rank"}}};
+  return kRoles;
+}
 
 /// A unit that the name of a column may end with.
 struct Unit {
@@ -50,23 +85,32 @@ constexpr Unit kUnits[] = {{"s", Quantity::time, 1e9, "seconds"},
                            {"m", Quantity::length, 1},
                            {"mm", Quantity::length, 1e-3},
                            {"deg", Quantity::angle, 1},
+                           {"\xc2\xb0", Quantity::angle, 1},  // the sign of degrees in UTF-8
                            {"rad", Quantity::angle, 180 / std::numbers::pi}};
 
 /// A name in a header.
 struct ColumnName {
   std::optional<double> unit = {};
+  bool is_foreign = false;
 };
 
 // Nullopt if a cell of a header does not name the column.
 std::optional<ColumnName> parse_name(const std::string& cell, std::string_view column) {
-  const std::string text = lower_case(cell);
+  std::string text = lower_case(cell);
   if (text == column) return ColumnName{};
-  const Role* role = std::ranges::find(kRoles, column, &Role::name);
-  if (role == std::end(kRoles) || text.empty()) return std::nullopt;
-  const auto is_name = [&](std::string_view name) {
-    return name == column || std::ranges::count(role->others, name) > 0;
+  const auto role = std::ranges::find(roles(), column, &Role::name);
+  if (role == roles().end() || text.empty()) return std::nullopt;
+  if (text.ends_with("[]")) text.erase(text.find_last_not_of(' ', text.size() - 3) + 1);
+  // The column with a unit; nullopt if it has another name.
+  const auto named = [&](std::string_view name,
+                         std::optional<double> unit) -> std::optional<ColumnName> {
+    if (name == column || std::ranges::count(role->others, name) > 0) return ColumnName{unit};
+    const bool is_foreign = std::ranges::any_of(role->foreign, [&](std::string_view other) {
+      return other.starts_with('.') ? name.ends_with(other) : name == other;
+    });
+    return is_foreign ? std::optional(ColumnName{unit, true}) : std::nullopt;
   };
-  if (is_name(text)) return ColumnName{};
+  if (const auto name = named(text, std::nullopt)) return name;
   for (const Unit& unit : kUnits) {
     std::string_view name = text;
     if (unit.quantity != role->quantity) continue;
@@ -75,7 +119,8 @@ std::optional<ColumnName> parse_name(const std::string& cell, std::string_view c
     if (!name.ends_with(unit.symbol)) continue;
     name.remove_suffix(unit.symbol.size());
     const size_t end = name.find_last_not_of(" _[(") + 1;  // npos + 1 is 0
-    if (end > 0 && end < name.size() && is_name(name.substr(0, end))) return ColumnName{unit.size};
+    if (end == 0 || end == name.size()) continue;
+    if (const auto found = named(name.substr(0, end), unit.size)) return found;
   }
   return std::nullopt;
 }
@@ -316,18 +361,23 @@ void Rows::find_columns() {
   std::vector<bool> is_known(header_.size());
   for (size_t c = 0; c < rules_.columns.size(); ++c) {
     const std::string_view column = rules_.columns[c];
+    bool is_foreign = false;
     for (size_t i = 0; i < header_.size(); ++i) {
       const auto name = parse_name(header_[i], column);
-      if (!name) continue;
+      if (!name || (name->is_foreign && has(column) && rules_.has_others)) continue;
+      is_known[i] = true;
+      if (has(column) && is_foreign && rules_.has_others) found_.pop_back();
       if (has(column))
         fail("its header has two columns {}: \"{}\" and \"{}\". Remove or rename one", column,
              header_[find(column)->index], header_[i]);
       found_.push_back({column, i, name->unit});
-      is_known[i] = true;
+      is_foreign = name->is_foreign;
     }
     if (c < rules_.needed && !has(column))
       fail("has no column {}. Expected {}", column, columns_text(rules_));
   }
+  // pandas writes its index as a first column without a name.
+  if (header_.size() > 1 && header_[0].empty()) is_known[0] = true;
   for (size_t i = 0; i < header_.size() && !rules_.has_others; ++i)
     if (!is_known[i])
       fail("has an unknown column \"{}\". Known columns are {}; remove or rename it", header_[i],

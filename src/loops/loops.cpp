@@ -39,6 +39,29 @@ size_t frame_of_index(const Rows& rows, std::string_view column, size_t frames) 
   return frame;
 }
 
+// The unit in which the first time of a list is nearest to a pose; that of its size on a tie.
+std::optional<TimeUnit> unit_in(Rows& rows, const Trajectory& trajectory) {
+  std::optional<TimeUnit> best;
+  if (!rows.next() || trajectory.times_ns.empty()) return best;
+  const std::string_view text = rows.text("query");
+  int64_t least = 0;
+  for (const auto unit :
+       {unit_of_time(text), std::optional(TimeUnit::nanoseconds),
+        std::optional(TimeUnit::microseconds), std::optional(TimeUnit::milliseconds),
+        std::optional(TimeUnit::seconds)}) {
+    const auto time = unit ? parse_time(text, *unit) : std::nullopt;
+    if (!time) continue;
+    const int64_t difference =
+        std::abs(trajectory.times_ns[nearest_time(trajectory.times_ns, *time)] - *time);
+    if (best && difference >= least) continue;
+    best = unit;
+    least = difference;
+  }
+  while (rows.next()) {
+  }
+  return best;
+}
+
 size_t frame_of_time(const Rows& rows, std::string_view column, TimeReader& times,
                      const Trajectory& trajectory, int64_t max_difference_ns) {
   const int64_t time = times.read(rows.location(), rows.text(column));
@@ -105,7 +128,8 @@ LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& tra
     throw Error(ErrorKind::usage,
                 "{}: names frames by time stamps, but {} has none; pass them with --pose-times",
                 path.string(), trajectory.name);
-  TimeReader times;
+  if (are_times) require_rising_times(trajectory);
+  TimeReader times(are_times ? unit_in(rows, trajectory) : std::nullopt);
   const auto frame = [&](std::string_view column) {
     return are_times ? frame_of_time(rows, column, times, trajectory, rules.max_difference_ns)
                      : frame_of_index(rows, column, trajectory.poses.size());
@@ -135,6 +159,25 @@ LoopGap parse_loop_gap(const std::string& text, const std::string& flag) {
                 flag, flag, flag, text);
   if (!is_time) return {{}, static_cast<size_t>(*value)};
   return {std::llround(*value * double{kSecond}), 0};
+}
+
+std::string gap_fault(const LoopGap& gap, std::span<const int64_t> times_ns, size_t frames) {
+  size_t without_effect = 0;
+  size_t without_past = 0;
+  for (size_t frame = 1; frame < frames; ++frame) {
+    without_effect += is_past(gap, times_ns, frame, frame - 1) ? 1 : 0;
+    without_past += is_past(gap, times_ns, frame, 0) ? 0 : 1;
+  }
+  if (frames < 3) return "";
+  if (2 * without_effect >= frames && gap.nanoseconds)
+    return fmt::format(
+        "excludes no frame, because they are {} s apart",
+        time_text((times_ns[frames - 1] - times_ns[0]) / static_cast<int64_t>(frames - 1)));
+  if (without_past + 1 >= frames - frames / 20)
+    return gap.nanoseconds ? fmt::format("excludes nearly all frames, because they cover {} s",
+                                         time_text(times_ns[frames - 1] - times_ns[0]))
+                           : fmt::format("excludes nearly all of the {} frames", frames);
+  return "";
 }
 
 std::optional<Revisit> LoopJudgment::longest_missed() const {
@@ -189,6 +232,7 @@ LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
         "{}: a gap in seconds needs the times of all frames. Add them with --pose-times, or set "
         "the gap in frames, as in --gap 300",
         trajectory.name);
+  if (rules.gap.nanoseconds) require_rising_times(trajectory);
   LoopJudgment judgment;
   judgment.has_loop = frames_with_loop(trajectory, rules);
   judgment.is_found.resize(judgment.has_loop.size());

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -56,6 +57,11 @@ LoopList read_loop_list(const std::filesystem::path& path, const Trajectory& tra
 /// Parses "30s" or a positive integer number of frames. Throws Error(usage), beginning with `flag`,
 /// for other text.
 LoopGap parse_loop_gap(const std::string& text, const std::string& flag);
+
+/// The end of a warning, "excludes no frame, because ...", if a gap in time is less than the step
+/// between most frames, or if at most a twentieth of the frames has an earlier one; otherwise
+/// empty. `times_ns` may be empty for a gap in frames.
+std::string gap_fault(const LoopGap& gap, std::span<const int64_t> times_ns, size_t frames);
 
 struct LoopRules {
   Nearness nearness;  ///< of the two poses

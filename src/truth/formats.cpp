@@ -12,6 +12,7 @@
 #include "base/named_table.h"
 #include "base/rows.h"
 #include "base/text.h"
+#include "truth/layouts.h"
 #include "truth/positions.h"
 #include "truth/readers.h"
 
@@ -50,27 +51,13 @@ bool has_only_numbers(std::string_view line) {
                              [](const std::string& cell) { return parse_frame(cell).has_value(); });
 }
 
-}  // namespace
-
-FileStart open_start(const std::filesystem::path& path) {
-  FileStart start;
-  start.path = parse_sequence_argument(path.string()).path;
-  std::error_code error;
-  start.is_folder = std::filesystem::is_directory(start.path, error);
-  if (start.is_folder) return start;
-  start.bytes = read_file_start(start.path, kStartBytes);
-  start.first_line = first_line_of(start.bytes);
-  start.header = first_row(start.bytes);
-  return start;
-}
-
-std::span<const GroundTruthFormat> ground_truth_formats() {
+std::vector<GroundTruthFormat> make_formats() {
   using Options = std::vector<std::string_view>;
   static const Options kPoseOptions = {"path",     "range",     "reference",
                                        "radius_m", "angle_deg", "ignore_radius_m"};
-  static const Options kTimedOptions = {"path",      "range",           "reference", "radius_m",
-                                        "angle_deg", "ignore_radius_m", "times"};
-  static const std::vector<GroundTruthFormat> kFormats = {
+  static const Options kNamedOptions = {"path",      "range",           "reference", "radius_m",
+                                        "angle_deg", "ignore_radius_m", "times",     "images"};
+  std::vector<GroundTruthFormat> formats = {
       {"aligned", "query frame i is training frame i", {"train_step"}, nullptr, read_aligned},
       {"anchors",
        "CSV query,anchor of a few frames, with linear interpolation",
@@ -95,21 +82,12 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
        read_pairs,
        write_pairs_csv},
       {"poses", "CSV frame,x,y[,heading] of either side", kPoseOptions,
-       [](const FileStart& start) { return is_pose_header(start.header); }, read_poses},
-      {"tum", "trajectories: time x y z qx qy qz qw", kTimedOptions,
-       [](const FileStart& start) { return pose_line_format(start.first_line) == "tum"; },
-       read_trajectories},
-      {"kitti", "trajectories: 3 x 4 matrices", kTimedOptions,
-       [](const FileStart& start) { return pose_line_format(start.first_line) == "kitti"; },
-       read_trajectories},
-      {"euroc", "trajectories: CSV time in ns, x, y, z, qw, qx, qy, qz, ...", kTimedOptions,
-       [](const FileStart& start) { return pose_line_format(start.first_line) == "euroc"; },
-       read_trajectories},
-      {"gps",
-       "latitude and longitude: CSV lat,lon",
-       {"path", "range", "reference", "radius_m", "angle_deg", "ignore_radius_m", "times",
-        "images"},
-       [](const FileStart& start) { return is_gps_header(start.header); },
+       [](const FileStart& start) { return is_pose_table(start.header); }, read_poses},
+      {"gps", "latitude and longitude: CSV lat,lon", kNamedOptions,
+       [](const FileStart& start) {
+         const Layout* layout = detect_layout(start);
+         return is_gps_header(start.header) || (layout != nullptr && layout->has("lat"));
+       },
        read_gps},
       {"utm", "images named @east@north@...", kPoseOptions, is_utm_names, read_utm_names},
       {"matrix",
@@ -119,6 +97,34 @@ std::span<const GroundTruthFormat> ground_truth_formats() {
        read_matrix_file,
        write_matrix_file,
        ".npz"}};
+  for (const Layout& layout : layouts()) {
+    if (layout.has("lat")) continue;  // read by gps
+    const auto recognize = [&layout](const FileStart& start) {
+      return detect_layout(start) == &layout;
+    };
+    formats.insert(std::ranges::find(formats, "gps", &GroundTruthFormat::name),
+                   {layout.name, layout.summary, kNamedOptions, recognize, read_trajectories});
+  }
+  return formats;
+}
+
+}  // namespace
+
+FileStart open_start(const std::filesystem::path& path) {
+  FileStart start;
+  start.path = parse_sequence_argument(path.string()).path;
+  std::error_code error;
+  start.is_folder = std::filesystem::is_directory(start.path, error);
+  if (start.is_folder) return start;
+  start.bytes = read_file_start(start.path, kStartBytes);
+  start.is_cut = start.bytes.size() == kStartBytes;
+  start.first_line = first_line_of(start.bytes);
+  start.header = first_row(start.bytes);
+  return start;
+}
+
+std::span<const GroundTruthFormat> ground_truth_formats() {
+  static const std::vector<GroundTruthFormat> kFormats = make_formats();
   return kFormats;
 }
 
@@ -132,7 +138,8 @@ std::string format_names(const std::function<bool(const GroundTruthFormat&)>& wa
 std::string format_summaries() {
   std::string text;
   for (const GroundTruthFormat& format : ground_truth_formats())
-    text += fmt::format("  {:<14}{}\n", format.name, format.summary);
+    text += fmt::format("  {:<14}{}{}\n", format.name,
+                        format.read == read_trajectories ? "trajectory: " : "", format.summary);
   return text;
 }
 
@@ -165,12 +172,14 @@ const GroundTruthFormat& detect_format(const std::filesystem::path& path) {
         "frames of a result, use vpr-eval check GROUND-TRUTH --result RESULT",
         path.string());
   refuse_convertible(start.path, start.bytes);
+  if (const std::string hint = columns_hint(start); !hint.empty())
+    throw Error(ErrorKind::usage, "{}{}", path.string(), hint);
   if (start.path.extension() == ".csv")
     throw Error(
         ErrorKind::data,
         "{}: its header \"{}\" has no columns query,reference (pairs), query,anchor, frame,x,y "
-        "(poses) or lat,lon (gps), between commas, semicolons or tabs. Rename its columns; "
-        "trajectories of TUM, KITTI and EuRoC have no header, or one after #",
+        "(poses) or lat,lon (gps), between commas, semicolons or tabs, and its columns are not "
+        "those of a trajectory, such as time,x,y,z. Rename them",
         path.string(), shortened(fmt::format("{}", fmt::join(start.header, ","))));
   throw Error(
       ErrorKind::usage,

@@ -20,7 +20,8 @@ class GroundTruthBuilder;
 struct FileStart {
   std::filesystem::path path;
   bool is_folder = false;
-  std::string bytes;  ///< the first 64 KiB
+  std::string bytes;    ///< the first 64 KiB
+  bool is_cut = false;  ///< the file has more
   /// the first line that is neither empty nor a comment (#), without its end
   std::string first_line;
   std::vector<std::string> header;  ///< of a table
@@ -37,7 +38,8 @@ struct GroundTruthFormat {
   /// "radius_m", "angle_deg", "ignore_radius_m", "train_step", "matrix_rows"; "times": all options
   /// with times of frames and poses; "images": the images named in a list.
   std::vector<std::string_view> options;
-  bool (*recognize)(const FileStart& start);         ///< null: selected only by its name
+  /// null: selected only by its name
+  std::function<bool(const FileStart& start)> recognize;
   std::string (*read)(GroundTruthBuilder& builder);  ///< returns the protocol as text
   /// Null: cannot be written. Throws Error(usage) if the format cannot name several training
   /// sequences, and Error(output).

@@ -142,8 +142,13 @@ bool require_matrix_shape(GroundTruthBuilder& builder, size_t sequence, size_t r
   bool rows_are_query = usually ? fits_query || !fits_reference : fits_query && !fits_reference;
   if (stated != MatrixRows::automatic) rows_are_query = stated == MatrixRows::query;
   if (!(rows_are_query ? fits_query : fits_reference))
-    builder.fail("is a matrix of {} x {}, but there are {} query and {} training frames", rows,
-                 cols, query.frames, train.frames);
+    builder.fail(
+        "is a matrix of {} x {}, but there are {} query and {} training frames{}", rows, cols,
+        query.frames, train.frames,
+        rows == query.frames && cols < train.frames
+            ? ". If it lists the matches of each query, as for GSV-Cities, convert it with "
+              "scripts/convert/vpr_bench.py"
+            : "");
   builder.require_query_frames(rows_are_query ? rows : cols);
   builder.require_train_frames(sequence, rows_are_query ? cols : rows);
   return rows_are_query;

@@ -238,7 +238,9 @@ std::string in_meters(GroundTruthBuilder& builder, const Anchors& anchors,
     throw Error(ErrorKind::usage,
                 "anchors accept a tolerance in frames or a radius in meters, not both");
   const size_t sequence = builder.only_searched("a radius of anchors");
-  const Poses train = read_train_poses(options.reference, options, builder.monitor()).poses;
+  const Poses train = read_train_poses(options.reference, options,
+                                       builder.scope().sequences[sequence].names, builder.monitor())
+                          .poses;
   builder.require_train_frames(sequence, train.size());
   Poses query;
   std::vector<bool> unplaced;

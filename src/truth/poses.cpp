@@ -11,6 +11,7 @@
 #include "recordings/frame_order.h"
 #include "recordings/sequence_source.h"
 #include "truth/formats.h"
+#include "truth/layouts.h"
 #include "truth/positions.h"
 #include "truth/readers.h"
 
@@ -44,15 +45,14 @@ std::optional<double> parse_zone(std::string_view field) {
   return is_zone ? number : std::nullopt;
 }
 
-constexpr std::array<std::string_view, 2> kHemispheres = {" north", " south"};
-
-// By the latitude band, C to M in the south; false if it is missing.
-bool is_southern(const std::vector<std::string_view>& fields) {
+// By the latitude band, C to M in the south; nullopt if it is missing.
+std::optional<bool> is_southern(const std::vector<std::string_view>& fields) {
   const std::string_view zone = fields[kZone];
   const std::string_view band = !parse_real(zone)       ? zone.substr(zone.size() - 1)
                                 : fields.size() > kBand ? fields[kBand]
                                                         : "";
-  return band.size() == 1 && band >= "C" && band <= "M";
+  if (band.size() != 1 || band < "C" || band > "X") return std::nullopt;
+  return band <= "M";
 }
 
 // `read(side, frames)` returns the poses of one side. Returns the protocol of match_poses.
@@ -80,12 +80,23 @@ std::string match_sides(GroundTruthBuilder& builder, Read&& read,
   return match_poses(builder, sequence, query, train, default_radius_m);
 }
 
-// Both sides have the format that was detected for the query.
-void require_format(const GroundTruthBuilder& builder, const std::filesystem::path& path) {
+// The format of a side: the set one, or the detected one. Throws Error(data) if it has another
+// reader than the query's format: trajectories of two layouts can be compared.
+std::string_view format_of(const GroundTruthBuilder& builder, const std::filesystem::path& path) {
   const GroundTruthArgument& argument = builder.argument();
-  if (argument.format.empty() && detect_format(path).name != builder.format())
+  if (!argument.format.empty()) return builder.format();
+  const GroundTruthFormat& format = detect_format(path);
+  if (format.read != find_format(builder.format()).read)
     throw Error(ErrorKind::data, "{}: has the format {}, and {} has {}. Use one format for both",
-                path.string(), detect_format(path).name, argument.path.string(), builder.format());
+                path.string(), format.name, argument.path.string(), builder.format());
+  return format.name;
+}
+
+// The names of the frames of a side; null: unknown.
+NameReader names_of(const GroundTruthBuilder& builder, PoseSide side) {
+  const GroundTruthScope& scope = builder.scope();
+  if (side == PoseSide::query) return scope.query_names;
+  return scope.sequences[builder.only_searched(builder.argument().path.string())].names;
 }
 
 // Both sides have the column, or none. `known`: whether the first side has it; unset before.
@@ -199,7 +210,7 @@ std::string read_poses(GroundTruthBuilder& builder) {
   std::optional<bool> have_floors;
   const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount& count) {
     const std::filesystem::path& path = side_options(builder.argument(), side).poses;
-    require_format(builder, path);
+    format_of(builder, path);
     Trajectory found = read_pose_csv(path, count.known());
     if (found.is_on_earth)
       throw Error(ErrorKind::data,
@@ -215,15 +226,23 @@ std::string read_poses(GroundTruthBuilder& builder) {
 
 std::string read_trajectories(GroundTruthBuilder& builder) {
   const GroundTruthArgument& argument = builder.argument();
-  const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount&) {
+  std::string formats;
+  std::optional<bool> have_heights;
+  const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount& count) {
     const SideOptions options = side_options(argument, side);
-    require_format(builder, options.poses);
-    return poses_of_side(
-        argument, side,
-        read_pose_lines(options.poses, builder.format(), !options.files.times.empty()),
-        builder.monitor());
+    const std::string_view format = format_of(builder, options.poses);
+    if (formats != format) formats += fmt::format("{}{}", formats.empty() ? "" : " and ", format);
+    Trajectory found =
+        read_layout(options.poses, *find_layout(format), !options.files.times.empty());
+    require_equal(options.poses, "z", have_heights, found.has_heights);
+    if (found.names.empty()) warn_of_steps(found, builder.monitor());
+    // Frames without a line at the end of a file that numbers them.
+    if (found.lines.empty() && count.known() && found.poses.size() < *count.known())
+      found.poses.resize(*count.known());
+    return poses_of_side(argument, side, std::move(found), names_of(builder, side),
+                         builder.monitor());
   });
-  return fmt::format("{} poses{}: {}", builder.format(), describe_times(argument), matched);
+  return fmt::format("{} poses{}: {}", formats, describe_times(argument), matched);
 }
 
 std::string read_gps(GroundTruthBuilder& builder) {
@@ -231,9 +250,10 @@ std::string read_gps(GroundTruthBuilder& builder) {
   std::optional<bool> have_floors;
   const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount& count) {
     const SideOptions options = side_options(argument, side);
-    Trajectory found = read_fixes(options.poses, options.files.images, count.known());
+    Trajectory found = read_fixes(options.poses, count.known());
     require_equal(options.poses, "floor", have_floors, found.has_floors);
-    Poses poses = poses_of_side(argument, side, std::move(found), builder.monitor());
+    Poses poses =
+        poses_of_side(argument, side, std::move(found), names_of(builder, side), builder.monitor());
     const size_t missing = count_unknown(poses);
     if (!options.files.times.empty()) return poses;  // poses_of_side has checked them
     if (missing == poses.size())
@@ -260,59 +280,116 @@ std::optional<Pose> parse_utm_name(std::string_view file_name) {
   return pose;
 }
 
+namespace {
+
+/// The name of an image with its position.
+struct UtmName {
+  std::string text;
+  std::optional<Pose> pose = {};  // unset: "nan"
+  std::optional<double> zone = {};
+  std::optional<bool> is_southern = {};
+};
+
+bool is_unknown_position(const std::vector<std::string_view>& fields) {
+  return fields.size() > kNorth && !fields[kEast].empty() && is_missing(fields[kEast]) &&
+         is_missing(fields[kNorth]);
+}
+
+std::vector<UtmName> parse_names(const GroundTruthBuilder& builder,
+                                 const SequenceSource& sequence) {
+  std::vector<UtmName> names;
+  bool is_unzoned = false;
+  for (const std::string& text : file_names(sequence)) {
+    const auto fields = utm_fields(text);
+    UtmName name{text, parse_utm_name(text)};
+    if (!name.pose && !is_unknown_position(fields))
+      builder.fail(
+          "{} is not named @east@north@...; scripts/convert/exif.py lists the GPS positions of "
+          "JPEG images",
+          text);
+    if (name.pose && !name.pose->area.empty()) {
+      name.zone = parse_zone(fields[kZone]);
+      name.is_southern = is_southern(fields);
+    } else if (name.pose && fields.size() > kZone && !is_missing(fields[kZone]) &&
+               !std::exchange(is_unzoned, true)) {
+      warn(builder.monitor(),
+           "{}: \"{}\" in {} is not a UTM zone, 1 to 60, so its zone is unknown and fits any other",
+           sequence.argument.path.string(), fields[kZone], text);
+    }
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+void require_sorted(const SequenceSource& sequence) {
+  const auto unsorted = std::ranges::is_sorted_until(sequence.files);
+  std::error_code error;
+  if (unsorted == sequence.files.end() || current_frame_order() != FrameOrder::automatic ||
+      !std::filesystem::is_directory(sequence.argument.path, error))
+    return;
+  throw Error(
+      ErrorKind::usage,
+      "{}: the order of names without padding is unclear. For frames of vpr-train and vpr-query, "
+      "pass --order natural ({} before {}); for arrays of programs that sort names as text, "
+      "--order "
+      "name",
+      sequence.argument.path.string(), (unsorted - 1)->filename().string(),
+      unsorted->filename().string());
+}
+
+// Positions in several zones, all of them known with their hemispheres, become places on the earth.
+// Otherwise, throws Error(data) for zones that touch.
+void join_zones(const GroundTruthBuilder& builder, std::span<UtmName* const> names) {
+  std::map<std::pair<double, bool>, const UtmName*> zones;
+  bool are_known = true;
+  for (const UtmName* name : names) {
+    are_known = are_known && name->zone && name->is_southern;
+    if (name->zone) zones.emplace(std::pair(*name->zone, name->is_southern.value_or(false)), name);
+  }
+  if (zones.size() < 2) return;
+  for (UtmName* name : names) {
+    if (!are_known) break;
+    name->pose->position =
+        earth_position(place_of_utm(name->pose->position[0], name->pose->position[1],
+                                    static_cast<int>(*name->zone), *name->is_southern));
+    name->pose->area.clear();
+  }
+  if (are_known) return;
+  for (const auto& [own, name] : zones)
+    for (const double next : {own.first, own.first == kMaxZones ? 1 : own.first + 1})
+      for (const bool is_south : {false, true})
+        if (const auto touching = zones.find({next, is_south});
+            touching != zones.end() && touching->first != own)
+          builder.fail(
+              "{} lies in UTM zone {}, and {} in zone {}, which touches it. Distances between them "
+              "need the zone and band of every image, as in @33@U@; or use latitudes and "
+              "longitudes "
+              "(gps)",
+              name->text, own.first, touching->second->text, next);
+}
+
+}  // namespace
+
 std::string read_utm_names(GroundTruthBuilder& builder) {
   const GroundTruthArgument& argument = builder.argument();
-  std::map<std::pair<double, bool>, std::string> zones;  // by number and hemisphere, a file name
-  const auto read = [&](PoseSide side, const FrameCount&) {
-    const SequenceSource sequence =
-        open_sequence(parse_sequence_argument(side_options(argument, side).poses.string()));
+  std::map<PoseSide, std::vector<UtmName>> sides;
+  std::vector<UtmName*> located;
+  for (const PoseSide side : {PoseSide::query, PoseSide::train}) {
+    const std::filesystem::path& path = side_options(argument, side).poses;
+    if (path.empty()) continue;  // refused below
+    builder.at_file(path);
+    const SequenceSource sequence = open_sequence(parse_sequence_argument(path.string()));
     if (sequence.kind != SequenceKind::images)
       builder.fail("is not a folder or list of images named @east@north@...");
+    require_sorted(sequence);
+    for (UtmName& name : sides[side] = parse_names(builder, sequence))
+      if (name.pose) located.push_back(&name);
+  }
+  builder.at_file(argument.path);
+  join_zones(builder, located);
+  const auto read = [&](PoseSide side, const FrameCount&) {
     Poses poses;
-    bool is_unzoned = false;
-    for (const auto& file : sequence.files) {
-      const std::string text = file.filename().string();
-      const auto pose = parse_utm_name(text);
-      if (!pose)
-        builder.fail(
-            "{} is not named @east@north@...; scripts/convert/exif.py lists the GPS "
-            "positions of JPEG images",
-            text);
-      const auto fields = utm_fields(text);
-      if (pose->area.empty() && fields.size() > kZone && !is_missing(fields[kZone]) &&
-          !std::exchange(is_unzoned, true))
-        warn(builder.monitor(),
-             "{}: \"{}\" in {} is not a UTM zone, 1 to 60, so its zone is unknown and fits any "
-             "other",
-             sequence.argument.path.string(), fields[kZone], text);
-      if (!pose->area.empty()) {
-        const double zone = *parse_real(pose->area);
-        const std::pair own(zone, is_southern(fields));
-        zones.emplace(own, text);
-        for (const double next :
-             {zone, zone == 1 ? kMaxZones : zone - 1, zone == kMaxZones ? 1 : zone + 1})
-          for (const bool is_south : {false, true})
-            if (const auto touching = zones.find({next, is_south});
-                touching != zones.end() && touching->first != own)
-              builder.fail(
-                  "{} lies in UTM zone {}{}, and {} in zone {}{}, which touches it. Distances "
-                  "between them are unknown; use latitudes and longitudes (gps)",
-                  text, zone, kHemispheres[own.second], touching->second, next,
-                  kHemispheres[is_south]);
-      }
-      poses.push_back(pose);
-    }
-    const auto unsorted = std::ranges::is_sorted_until(sequence.files);
-    std::error_code error;
-    if (unsorted != sequence.files.end() && current_frame_order() == FrameOrder::automatic &&
-        std::filesystem::is_directory(sequence.argument.path, error))
-      throw Error(
-          ErrorKind::usage,
-          "{}: the order of names without padding is unclear. For frames of vpr-train and "
-          "vpr-query, pass --order natural ({} before {}); for arrays of programs that sort "
-          "names as text, --order name",
-          sequence.argument.path.string(), (unsorted - 1)->filename().string(),
-          unsorted->filename().string());
+    for (const UtmName& name : sides[side]) poses.push_back(name.pose);
     return poses;
   };
   return fmt::format("UTM coordinates in file names: {}{}", match_sides(builder, read, kUtmRadius),
@@ -322,39 +399,54 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
 bool is_utm_names(const FileStart& start) {
   if (start.is_folder) return true;
   const size_t slash = start.first_line.rfind('/');  // npos + 1 is 0
-  return parse_utm_name(start.first_line.substr(slash + 1)).has_value();
+  const std::string name = start.first_line.substr(slash + 1);
+  return parse_utm_name(name) || is_unknown_position(utm_fields(name));
 }
 
-std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Poses& query,
-                        const Poses& train, std::optional<double> default_radius_m,
-                        const std::vector<bool>& unplaced) {
-  const Nearness nearness = find_nearness(builder, default_radius_m);
+namespace {
+
+/// Counts of match_poses.
+struct PoseCounts {
+  uint64_t known = 0;    ///< query frames with a pose
+  uint64_t unknown = 0;  ///< query frames without one
+  uint64_t same = 0;     ///< pairs of the same place
+  uint64_t pairs = 0;    ///< of known poses
+};
+
+PoseCounts label_pairs(GroundTruthBuilder& builder, size_t sequence, const Poses& query,
+                       const Poses& train, const Nearness& nearness,
+                       const std::vector<bool>& unplaced) {
   const SortedPoses sorted = sort_poses(train);
   if (uint64_t{query.size()} * sorted.known.size() > kMaxPairs &&
       is_everything_near(query, train, nearness))
     refuse_pairs(builder, nearness);
-  uint64_t known = 0;
-  uint64_t same = 0;
-  uint64_t unknown = 0;
+  PoseCounts counts;
   for (size_t frame = 0; frame < query.size(); ++frame) {
     builder.check_stop();
     if (frame < unplaced.size() && unplaced[frame]) continue;
     if (!query[frame]) {
-      ++unknown;
+      ++counts.unknown;
       if (!train.empty()) builder.add(frame, sequence, 0, train.size() - 1, PlaceLabel::ignore);
       continue;
     }
-    ++known;
+    ++counts.known;
     for (const LabelStretch& near : near_frames(query, frame, train, sorted, nearness, builder)) {
       builder.add(frame, sequence, near.first, near.last, near.label);
-      same += near.label == PlaceLabel::same;
+      counts.same += near.label == PlaceLabel::same;
     }
-    if (same > kMaxPairs) refuse_pairs(builder, nearness);
+    if (counts.same > kMaxPairs) refuse_pairs(builder, nearness);
     for (const LabelStretch& run : sorted.unknown)
       builder.add(frame, sequence, run.first, run.last, run.label);
   }
+  counts.pairs = counts.known * sorted.known.size();
+  return counts;
+}
+
+void warn_of(const GroundTruthBuilder& builder, const PoseCounts& counts, const Poses& query,
+             const Poses& train, const Nearness& nearness) {
+  const std::string path = builder.argument().path.string();
   if (nearness.angle_deg) {
-    warn_of_headings(builder.argument().path.string(), query, builder.monitor());
+    warn_of_headings(path, query, builder.monitor());
     warn_of_headings(builder.argument().options.reference.string(), train, builder.monitor());
   }
   const auto areas = areas_of(query);
@@ -363,26 +455,39 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
       std::ranges::none_of(areas, [&](const auto& area) { return trained.contains(area); }))
     warn(builder.monitor(),
          "{}: no floor or UTM zone of the query ({}, ...) is one of the training sequence ({}, "
-         "...), "
-         "so frames that have one are different places",
-         builder.argument().path.string(), *areas.begin(), *trained.begin());
-  const auto pairs = static_cast<double>(known * sorted.known.size());
-  if (static_cast<double>(same) > kLargeShare * pairs)
+         "...), so frames that have one are different places",
+         path, *areas.begin(), *trained.begin());
+  const double share = static_cast<double>(counts.same) / static_cast<double>(counts.pairs);
+  if (counts.pairs > 0 && share > kLargeShare)
     warn(builder.monitor(),
-         "{}: within {} m lie {:.0f} % of all pairs of frames, so almost every match is "
-         "correct. Use a smaller --radius",
-         builder.argument().path.string(), nearness.radius_m,
-         100 * static_cast<double>(same) / pairs);
+         "{}: within {} m lie {:.0f} % of all pairs of frames, so almost every match is correct. "
+         "Use a smaller --radius",
+         path, nearness.radius_m, 100 * share);
+}
+
+std::string protocol_of(const GroundTruthArgument& argument, const Nearness& nearness,
+                        size_t unknown_query, size_t unknown_train) {
   std::string protocol = fmt::format("within {} m", nearness.radius_m);
   if (nearness.angle_deg) protocol += fmt::format(" and {} degrees", *nearness.angle_deg);
   if (nearness.ignore_radius_m)
     protocol += fmt::format(", ignored up to {} m", *nearness.ignore_radius_m);
-  if (const auto tolerance = static_cast<uint64_t>(builder.argument().tolerance_frames))
+  if (const auto tolerance = static_cast<uint64_t>(argument.tolerance_frames))
     protocol += fmt::format(", and {} more", counted(tolerance, "frame"));
-  if (const size_t unknown_train = count_unknown(train); unknown + unknown_train > 0)
-    protocol += fmt::format("; {} query and {} training frames without a pose are ignored", unknown,
-                            unknown_train);
+  if (unknown_query + unknown_train > 0)
+    protocol += fmt::format("; {} query and {} training frames without a pose are ignored",
+                            unknown_query, unknown_train);
   return protocol;
+}
+
+}  // namespace
+
+std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Poses& query,
+                        const Poses& train, std::optional<double> default_radius_m,
+                        const std::vector<bool>& unplaced) {
+  const Nearness nearness = find_nearness(builder, default_radius_m);
+  const PoseCounts counts = label_pairs(builder, sequence, query, train, nearness, unplaced);
+  warn_of(builder, counts, query, train, nearness);
+  return protocol_of(builder.argument(), nearness, counts.unknown, count_unknown(train));
 }
 
 }  // namespace vpr

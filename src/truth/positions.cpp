@@ -14,6 +14,7 @@
 #include "base/text.h"
 #include "recordings/sequence_source.h"
 #include "truth/formats.h"
+#include "truth/layouts.h"
 #include "truth/times.h"
 
 namespace vpr {
@@ -78,33 +79,34 @@ std::optional<Pose> read_pose(const Rows& rows, bool is_fix) {
   return pose;
 }
 
-FrameNames names_of_images(const fs::path& images) {
-  const SequenceSource sequence = open_sequence(parse_sequence_argument(images.string()));
-  if (sequence.kind != SequenceKind::images)
-    throw Error(
-        ErrorKind::usage,
-        "{}: is not a folder or list of images, to which a CSV of GPS fixes can refer by name",
-        images.string());
-  return FrameNames(file_names(sequence));
-}
-
-void read_fixes_by_name(Rows& rows, const fs::path& images, Trajectory& found) {
-  const FrameNames names = names_of_images(images);
-  found.poses.resize(names.count().value_or(0));
-  std::set<size_t> named;
+// Latitudes within pi / 2 and longitudes within pi are radians, or lie in the Gulf of Guinea.
+void check_degrees(Rows& rows) {
+  const auto names_unit = [](const std::string& name) {
+    const std::string text = lower_case(name);
+    return text.find("deg") < text.size() || text.find("rad") < text.size() ||
+           text.find("\xc2\xb0") < text.size();
+  };
+  if (std::ranges::any_of(rows.header(), names_unit)) return;
+  std::set<std::string_view> latitudes;
+  bool are_radians = true;
   while (rows.next()) {
-    const std::string_view name = rows.text("image");
-    const auto frame = names.find(name);
-    if (!frame) rows.fail("{} has no image {}, or several", images.string(), name);
-    if (!named.insert(*frame).second) rows.fail("the image {} is listed twice", name);
-    found.poses[*frame] = read_pose(rows, /*is_fix=*/true);
+    const auto latitude = rows.number("lat");
+    const auto longitude = rows.number("lon");
+    if (!latitude || !longitude || (*latitude == 0 && *longitude == 0)) continue;
+    latitudes.insert(rows.text("lat"));
+    are_radians = are_radians && std::abs(*latitude) <= std::numbers::pi / 2 &&
+                  std::abs(*longitude) <= std::numbers::pi;
   }
+  if (are_radians && latitudes.size() > 1)
+    rows.fail(
+        "all latitudes are within pi / 2 and all longitudes within pi, as radians are. Name the "
+        "columns lat_rad and lon_rad, or lat_deg and lon_deg");
 }
 
 void read_fixes_in_order(Rows& rows, const FrameRange& range, Trajectory& found) {
-  TimeReader times(rows.time_unit("time"));
+  TimeReader times(unit_of_times(rows, "time"));
   for (size_t row = 0; rows.next(); ++row) {
-    const auto pose = read_pose(rows, /*is_fix=*/true);
+    const auto pose = fix_pose(rows);
     if (!frame_in_range(range, row)) continue;
     found.poses.push_back(pose);
     found.lines.push_back(rows.line());
@@ -123,6 +125,37 @@ std::array<double, 3> earth_position(const Geographic& place) {
   const double from_axis = normal * std::cos(latitude);
   return {from_axis * std::cos(longitude), from_axis * std::sin(longitude),
           normal * (1 - kEccentricity2) * sine};
+}
+
+Geographic place_of_utm(double east, double north, int zone, bool is_southern) {
+  constexpr double kScale = 0.9996;
+  constexpr double n = kFlattening / (2 - kFlattening);  // the third flattening
+  constexpr double n2 = n * n;
+  constexpr double n3 = n2 * n;
+  constexpr double n4 = n3 * n;
+  constexpr double kRadius = kSemiMajorAxis / (1 + n) * (1 + n2 / 4 + n4 / 64);
+  constexpr std::array<double, 4> kGrid = {n / 2 - 2 * n2 / 3 + 37 * n3 / 96 - n4 / 360,
+                                           n2 / 48 + n3 / 15 - 437 * n4 / 1440,
+                                           17 * n3 / 480 - 37 * n4 / 840, 4397 * n4 / 161280};
+  constexpr std::array<double, 4> kLatitude = {2 * n - 2 * n2 / 3 - 2 * n3 + 116 * n4 / 45,
+                                               7 * n2 / 3 - 8 * n3 / 5 - 227 * n4 / 45,
+                                               56 * n3 / 15 - 136 * n4 / 35, 4279 * n4 / 630};
+  const double up = (north - (is_southern ? 1e7 : 0)) / (kScale * kRadius);
+  const double right = (east - 5e5) / (kScale * kRadius);
+  double sphere_up = up;
+  double sphere_right = right;
+  for (size_t j = 0; j < kGrid.size(); ++j) {
+    const auto twice = static_cast<double>(2 * (j + 1));
+    sphere_up -= kGrid[j] * std::sin(twice * up) * std::cosh(twice * right);
+    sphere_right -= kGrid[j] * std::cos(twice * up) * std::sinh(twice * right);
+  }
+  const double conformal = std::asin(std::sin(sphere_up) / std::cosh(sphere_right));
+  double latitude = conformal;
+  for (size_t j = 0; j < kLatitude.size(); ++j)
+    latitude += kLatitude[j] * std::sin(static_cast<double>(2 * (j + 1)) * conformal);
+  const double from_meridian = std::atan2(std::sinh(sphere_right), std::cos(sphere_up));
+  return {latitude * 180 / std::numbers::pi,
+          6.0 * zone - 183 + from_meridian * 180 / std::numbers::pi};
 }
 
 LocalPlane::LocalPlane(const std::array<double, 3>& origin) : origin_(origin) {
@@ -159,6 +192,12 @@ bool is_pose_header(const std::vector<std::string>& header) {
   return has_columns(header, {"frame", "x", "y"});
 }
 
+bool is_pose_table(const std::vector<std::string>& header) {
+  return is_pose_header(header) && !has_columns(header, {"qx", "qy", "qz", "qw"});
+}
+
+std::optional<Pose> fix_pose(const Rows& rows) { return read_pose(rows, /*is_fix=*/true); }
+
 bool is_gps_header(const std::vector<std::string>& header) {
   return has_columns(header, {"lat", "lon"});
 }
@@ -183,7 +222,8 @@ Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, siz
   found.has_floors = rows.has("floor");
   found.poses.resize(frames.value_or(0));
   with_times = with_times && rows.has("time");
-  TimeReader times(rows.time_unit("time"));
+  if (are_fixes) check_degrees(rows);
+  TimeReader times(with_times ? unit_of_times(rows, "time") : std::nullopt);
   std::set<size_t> listed;
   while (rows.next()) {
     const size_t number = rows.frame("frame");
@@ -206,7 +246,7 @@ Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, siz
   return found;
 }
 
-Trajectory read_fixes(const fs::path& path, const fs::path& images, std::optional<size_t> frames) {
+Trajectory read_fixes(const fs::path& path, std::optional<size_t> frames) {
   const FileStart start = open_start(path);
   if (start.is_folder)
     throw Error(ErrorKind::usage,
@@ -214,6 +254,8 @@ Trajectory read_fixes(const fs::path& path, const fs::path& images, std::optiona
                 "scripts/convert/exif.py",
                 path.string());
   if (!is_gps_header(start.header)) {
+    if (const Layout* layout = detect_layout(start); layout != nullptr && layout->has("lat"))
+      return read_layout(path, *layout, /*with_times=*/true);
     refuse_convertible(start.path, start.bytes);
     throw Error(ErrorKind::data, "{}: is not a CSV with latitudes and longitudes{}", path.string(),
                 is_pose_header(start.header) ? "; its positions are in meters" : "");
@@ -226,27 +268,15 @@ Trajectory read_fixes(const fs::path& path, const fs::path& images, std::optiona
   if (rows.has("frame")) {
     if (is_pose_header(rows.header()))
       rows.fail("has positions in meters (x, y) and latitudes; remove the columns x and y");
-    if (!images.empty()) rows.fail("has frame numbers (frame), so it needs no folder of images");
     return read_pose_csv(path, frames);
   }
+  check_degrees(rows);
   Trajectory found;
   found.name = path.string();
   found.is_on_earth = true;
   found.has_floors = rows.has("floor");
-  if (images.empty()) {
-    if (rows.has("image") && !rows.has("time"))
-      throw Error(ErrorKind::usage,
-                  "{}: has fixes by image names. Pass the images with --query-images FOLDER "
-                  "(--train-images for the training side)",
-                  path.string());
-    read_fixes_in_order(rows, source.range, found);
-    return found;
-  }
-  if (!rows.has("image")) rows.fail("has no column image with the names of images");
-  if (!source.range.is_all())
-    throw Error(ErrorKind::usage, "{}: its lines are selected by image names. Add the range to {}",
-                path.string(), images.string());
-  read_fixes_by_name(rows, images, found);
+  read_fixes_in_order(rows, source.range, found);
+  read_names(rows, source.range, found);
   return found;
 }
 

@@ -14,6 +14,8 @@
 
 namespace vpr {
 
+class Rows;
+
 /// Degrees north and east (WGS84).
 struct Geographic {
   double latitude_deg = 0;   ///< -90 to 90
@@ -25,6 +27,10 @@ struct Geographic {
 /// shorter than the distance on the ground by 1 mm at 10 km and by 1 m at 100 km, everywhere on
 /// earth.
 std::array<double, 3> earth_position(const Geographic& place);
+
+/// Meters east and north in a zone of UTM (WGS84), 1 to 60, of one hemisphere, as a place: the series
+/// of Krueger to the fourth order (Karney 2011, equations 36 to 38), exact to 0.1 mm within the zone.
+Geographic place_of_utm(double east, double north, int zone, bool is_southern);
 
 /// The plane that touches the earth at its origin.
 class LocalPlane {
@@ -48,6 +54,8 @@ void flatten(Trajectory& trajectory, std::optional<LocalPlane>& plane);
 
 /// Whether the header of a table has frame, x and y.
 bool is_pose_header(const std::vector<std::string>& header);
+/// The same, without a quaternion: a file for read_pose_csv.
+bool is_pose_table(const std::vector<std::string>& header);
 /// Whether it has lat or latitude, and lon, lng, long or longitude.
 bool is_gps_header(const std::vector<std::string>& header);
 
@@ -69,17 +77,19 @@ Trajectory read_pose_csv(const std::filesystem::path& path,
 /// heading, in degrees. Degrees have a decimal point, and longitudes are from -180 to 360. A line
 /// belongs to
 /// - the frame in its column `frame`;
-/// - or the image in its column `image` (or name, file, filename), which requires `images`, the
-///   folder or list of the sequence; names are compared without folders, and every line must name
-///   an image of the sequence, which may have images without a line;
+/// - or the image in its column `image` (or another column of names, as read_names finds it);
 /// - or the time in its column `time` (or timestamp), as numbers or as dates (UTC by default);
 /// - otherwise line i belongs to frame i.
 /// A line with neither latitude nor longitude, or with 0 for both, has no pose. `frames`: the
 /// number of frames of the sequence, if known, for lines with frame numbers. A range after the path
-/// selects lines, or frames by their numbers. Throws Error(input) if a file cannot be read,
-/// Error(usage) for images by name without `images`, Error(data), with the line, if it is damaged.
-Trajectory read_fixes(const std::filesystem::path& path, const std::filesystem::path& images = {},
+/// selects lines, or frames by their numbers. Throws Error(input) if a file cannot be read;
+/// Error(data), with the line, if it is damaged, and for degrees that are radians (all latitudes
+/// within pi / 2 and longitudes within pi) unless the header names their unit.
+Trajectory read_fixes(const std::filesystem::path& path,
                       std::optional<size_t> frames = std::nullopt);
+
+/// The pose of the fix in the current row, on the earth; nullopt without a fix.
+std::optional<Pose> fix_pose(const Rows& rows);
 
 /// In meters on the plan.
 struct RoutePoint {

@@ -207,14 +207,14 @@ std::string match_poses(GroundTruthBuilder& builder, size_t sequence, const Pose
 /// Pairs with a frame without a line are ignored.
 std::string read_poses(GroundTruthBuilder& builder);
 
-/// Poses in the builder's format, one of pose_line_format. Poses are associated by time if the
-/// argument has the frames' times (poses_of_side); otherwise line i belongs to frame i, and times
+/// Trajectories in layouts of truth/layouts.h, which may differ between the sides. Poses are
+/// associated by time or by name (poses_of_side); otherwise pose i belongs to frame i, and times
 /// are ignored.
 std::string read_trajectories(GroundTruthBuilder& builder);
 
-/// GPS fixes (read_fixes), by time as for trajectories. Distances are straight lines between points
-/// on the ellipsoid, without heights. Warns if more than half of the frames of a side have no fix;
-/// throws Error(data) if none has, and as the readers do.
+/// GPS fixes (read_fixes), by time or name as for trajectories. Distances are straight lines
+/// between points on the ellipsoid, without heights. Warns if more than half of the frames of a
+/// side have no fix; throws Error(data) if none has, and as the readers do.
 std::string read_gps(GroundTruthBuilder& builder);
 
 /// A name in the format of the field's data sets:
@@ -225,9 +225,10 @@ std::optional<Pose> parse_utm_name(std::string_view file_name);
 
 /// The argument's path is the query, its `reference` the training sequence: folders or lists, as
 /// passed to vpr-query and vpr-train, with positions as names. Images within a radius (default 25
-/// m) show the same place; images in zones that do not touch show different places. Throws
-/// Error(data) for a name without coordinates, for zones that touch, or if the numbers of images
-/// and frames differ.
+/// m) show the same place. In several zones, distances are those of gps if every image has its zone and
+/// band; otherwise zones that do not touch show different places. Images whose position is nan have
+/// no pose. Throws Error(data) for a name without coordinates, for zones that touch without bands, or
+/// if the numbers of images and frames differ.
 std::string read_utm_names(GroundTruthBuilder& builder);
 
 /// A folder, or a list whose first image has a UTM name.

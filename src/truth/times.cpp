@@ -1,6 +1,7 @@
 #include "truth/times.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <regex>
@@ -27,6 +28,20 @@ constexpr size_t kMaxDate = 64;
 constexpr size_t kStartBytes = 65536;
 constexpr size_t kDigitsOfClock = 10;  // seconds since 1970
 
+/// Plausible steps between frames or poses, in nanoseconds; and those of clocks from 1970.
+constexpr double kLeastStep = 2e6;
+constexpr double kGreatestStep = 1e10;
+constexpr double kLeastDateStep = 1e5;
+constexpr double kGreatestDateStep = 3.6e12;
+/// 2001 to 2039, in nanoseconds since 1970.
+constexpr double kFirstDate = 1e18;
+constexpr double kLastDate = 2.2e18;
+constexpr std::array<std::pair<TimeUnit, std::string_view>, 4> kTimeUnits = {
+    {{TimeUnit::seconds, "s"},
+     {TimeUnit::milliseconds, "ms"},
+     {TimeUnit::microseconds, "us"},
+     {TimeUnit::nanoseconds, "ns"}}};
+
 // Digits as an integer; 0 if empty. Nullopt if there are too many.
 std::optional<int64_t> parse_digits(std::string_view digits) {
   return digits.empty() ? 0 : parse_number<int64_t>(digits);
@@ -34,18 +49,18 @@ std::optional<int64_t> parse_digits(std::string_view digits) {
 
 // The times that are the names of a sequence's images.
 std::vector<int64_t> times_of_names(const SequenceSource& sequence) {
-  TimeReader reader;
+  std::vector<std::string> names;
+  for (const std::filesystem::path& file : sequence.files) names.push_back(file.stem().string());
+  if (!names.empty() && !unit_of_time(names.front()))
+    FileLocation{sequence.files.front().string()}.fail(
+        "its name \"{}\" is not a time. scripts/convert/exif.py lists the times at "
+        "which JPEG images were taken",
+        names.front());
+  TimeReader reader(unit_of_times({sequence.argument.path.string()},
+                                  std::vector<std::string_view>(names.begin(), names.end())));
   std::vector<int64_t> times;
-  for (const std::filesystem::path& file : sequence.files) {
-    const FileLocation location{file.string()};
-    const std::string name = file.stem().string();
-    if (times.empty() && !unit_of_time(name))
-      location.fail(
-          "its name \"{}\" is not a time. scripts/convert/exif.py lists the times at "
-          "which JPEG images were taken",
-          name);
-    times.push_back(reader.read_next(location, name));
-  }
+  for (size_t i = 0; i < names.size(); ++i)
+    times.push_back(reader.read_next({sequence.files[i].string()}, names[i]));
   return times;
 }
 
@@ -117,6 +132,55 @@ std::optional<TimeUnit> unit_of_time(std::string_view text) {
          : size < 1e14 ? TimeUnit::milliseconds
          : size < 1e17 ? TimeUnit::microseconds
                        : TimeUnit::nanoseconds;
+}
+
+std::optional<TimeUnit> unit_of_times(const FileLocation& file,
+                                      std::span<const std::string_view> texts) {
+  const auto first = texts.empty() ? std::nullopt : parse_real(texts.front());
+  if (!first) return std::nullopt;
+  std::vector<double> steps;
+  double last = *first;
+  bool has_points = false;
+  for (const std::string_view text : texts) {
+    const double value = parse_real(text).value_or(last);
+    if (value != last) steps.push_back(std::abs(value - last));
+    last = value;
+    has_points = has_points || text.find('.') < text.size();
+  }
+  if (steps.empty()) return unit_of_time(texts.front());
+  const auto middle = steps.begin() + static_cast<ptrdiff_t>((steps.size() - 1) / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const auto is_between = [](double value, TimeUnit unit, double least, double greatest) {
+    const double ns = value * static_cast<double>(unit);
+    return ns >= least * (1 - 1e-9) && ns <= greatest * (1 + 1e-9);
+  };
+  std::vector<std::pair<TimeUnit, std::string_view>> plausible;
+  for (const auto& [unit, symbol] : kTimeUnits) {
+    if (is_between(*first, unit, kFirstDate, kLastDate) &&
+        is_between(*middle, unit, kLeastDateStep, kGreatestDateStep))
+      return unit;
+    if (is_between(*middle, unit, kLeastStep, kGreatestStep)) plausible.emplace_back(unit, symbol);
+  }
+  if (plausible.empty()) return unit_of_time(texts.front());
+  const bool is_clear =
+      plausible.size() == 1 || (has_points && plausible.front().first == TimeUnit::seconds);
+  if (!is_clear)
+    file.fail(
+        "the unit of its times is unclear: they are {} {} or {} {} apart. Add a first line with "
+        "the "
+        "names of the columns, such as time_{} or time_{}, or write seconds with a decimal point",
+        *middle, plausible[0].second, *middle, plausible[1].second, plausible[0].second,
+        plausible[1].second);
+  return plausible.front().first;
+}
+
+std::optional<TimeUnit> unit_of_times(Rows& rows, std::string_view column) {
+  if (const auto unit = rows.time_unit(column)) return unit;
+  if (!rows.has(column)) return std::nullopt;
+  const FileLocation file{rows.location().file};
+  std::vector<std::string_view> texts;
+  while (rows.next()) texts.push_back(rows.text(column));
+  return unit_of_times(file, texts);
 }
 
 std::optional<int64_t> parse_time(std::string_view text, TimeUnit unit) {
@@ -219,7 +283,7 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
              kListSeparators,
              /*has_others=*/true,
              /*is_ragged=*/true});
-  TimeReader reader(rows.time_unit("time"));
+  TimeReader reader(unit_of_times(rows, "time"));
   std::vector<int64_t> times;
   bool are_frames = rows.header().empty();    // the first of two columns counts them
   bool are_integers = rows.header().empty();  // of two columns, the first one in seconds
@@ -317,6 +381,7 @@ LiveSource open_resampled_source(LiveSource source, double fps,
     Thinner thinner;
     TimeReader names = TimeReader();
     bool is_named = false;
+    std::filesystem::path first = {};
     size_t frames = 0;
     std::optional<LiveFrame> last = {};
   };
@@ -324,8 +389,18 @@ LiveSource open_resampled_source(LiveSource source, double fps,
   const auto time_of = [=](const LiveFrame& frame) {
     const size_t index = state->frames++;
     if (index == 0) state->is_named = is_named_by_time(frame.file);
-    if (state->is_named)
-      return state->names.read_next({frame.file.string()}, frame.file.stem().string());
+    if (state->is_named) {
+      const std::string name = frame.file.stem().string();
+      if (index == 0) state->first = frame.file;
+      if (index == 1) {  // two times show their unit
+        const std::string first = state->first.stem().string();
+        state->names = TimeReader(
+            unit_of_times({frame.file.string()}, std::vector<std::string_view>{first, name}));
+        state->thinner = Thinner(fps);
+        state->thinner.keeps_before(state->names.read_next({state->first.string()}, first));
+      }
+      return state->names.read_next({frame.file.string()}, name);
+    }
     if (!recorded_fps)
       throw Error(ErrorKind::usage,
                   "{}: its time is unknown, but --fps needs it. Use --recorded-fps, or images with "

@@ -22,10 +22,20 @@ struct LiveSource;
 /// Nanoseconds per second.
 inline constexpr int64_t kSecond = 1'000'000'000;
 
-/// The unit of a number by its size, for clocks that count from 1970: seconds below 10^11,
+/// The unit of a single number by its size, for clocks that count from 1970: seconds below 10^11,
 /// milliseconds below 10^14, microseconds below 10^17, otherwise nanoseconds. Nullopt if `text` is
 /// not a finite number.
 std::optional<TimeUnit> unit_of_time(std::string_view text);
+
+/// The unit of the times of one file, which name none, by their median step: the unit in which it
+/// is 2 ms to 10 s. Times that are dates of 2001 to 2039 in one unit may have steps from 0.1 ms to
+/// one hour. Clocks of phones count from their start, so the size of a number alone says nothing.
+/// If no unit fits, and for fewer than two numbers, as unit_of_time. Nullopt if the first text
+/// is not a number. Throws Error(data) if two units fit.
+std::optional<TimeUnit> unit_of_times(const FileLocation& file,
+                                      std::span<const std::string_view> texts);
+/// The unit in the name of a column or, without any, unit_of_times.
+std::optional<TimeUnit> unit_of_times(Rows& rows, std::string_view column);
 
 /// The time in nanoseconds. Exact for a decimal number with or without a point, whose excess digits
 /// are truncated; a number with an exponent is rounded to float64. Nullopt if `text` is not a
@@ -48,7 +58,7 @@ std::optional<int64_t> parse_calendar_time(std::string_view text);
 [[noreturn]] void refuse_time_order(const FileLocation& location, int64_t before, int64_t time);
 
 /// Reads the times of one file in nanoseconds: numbers or dates (parse_calendar_time). Without
-/// `unit`, the first number determines it.
+/// `unit`, the size of the first number determines it.
 class TimeReader {
  public:
   explicit TimeReader(std::optional<TimeUnit> unit = {}) : unit_(unit) {}

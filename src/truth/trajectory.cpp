@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include <fmt/format.h>
-#include <opencv2/core.hpp>
+#include <fmt/ranges.h>
 
 #include "base/converters.h"
 #include "base/error.h"
@@ -16,14 +16,15 @@
 #include "base/rows.h"
 #include "base/text.h"
 #include "truth/formats.h"
+#include "truth/layouts.h"
 #include "truth/positions.h"
 #include "truth/times.h"
 
 namespace vpr {
 namespace {
 
-/// Tolerance for the products of a matrix's rows: files with three digits have errors of 0.002.
-constexpr double kRotationError = 0.01;
+/// In meters.
+constexpr double kLongestStep = 1000;
 constexpr double kMaxSeconds = 2e9;  // 63 years
 /// evo's maximum distance between a frame and its nearest pose, in seconds.
 constexpr double kEvoDifference = 0.02;
@@ -31,94 +32,21 @@ constexpr double kEvoDifference = 0.02;
 /// the nearest fix, or one second if a fix is missing.
 constexpr double kFixDifference = 1;
 
-// A quaternion x, y, z, w as a matrix.
-std::array<double, 9> rotation_of(const Rows& rows, std::array<double, 4> q) {
-  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  if (!(norm > 1e-6) || !std::isfinite(norm))
-    rows.fail(
-        "its quaternion is not a rotation. Write nan for an unknown pose; for an unknown "
-        "orientation, 0 0 0 1 is enough unless --angle is used");
-  const double x = q[0] / norm;
-  const double y = q[1] / norm;
-  const double z = q[2] / norm;
-  const double w = q[3] / norm;
-  return {1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
-          2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
-          2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
-}
-
-// Whether the rows are orthonormal and right-handed, up to rounding.
-bool is_rotation(const std::array<double, 9>& m) {
-  const cv::Matx33d rows(m.data());
-  const cv::Matx33d error = rows * rows.t() - cv::Matx33d::eye();
-  return cv::norm(error, cv::NORM_INF) <= kRotationError && cv::determinant(rows) > 0;
-}
-
-/// A format with one pose per line.
-struct LineFormat {
-  std::string_view name;
-  RowRules rules;
-  std::optional<TimeUnit> unit = {};  ///< unset: determined by the first time
-
-  bool has_times() const { return rules.columns.front() == "time"; }
-};
-
-const std::vector<LineFormat>& line_formats() {
-  static const std::vector<LineFormat> kFormats = {
-      {"tum", {{"time", "x", "y", "z", "qx", "qy", "qz", "qw"}, 8, false, " "}},
-      {"kitti",
-       {{"m0", "m1", "m2", "x", "m3", "m4", "m5", "y", "m6", "m7", "m8", "z"}, 12, false, " "}},
-      {"euroc",
-       {{"time", "x", "y", "z", "qw", "qx", "qy", "qz"}, 8, false, ",", /*has_others=*/true},
-       TimeUnit::nanoseconds}};
-  return kFormats;
-}
-
-// The pose of the current row; nullopt if a cell other than the time is missing.
-std::optional<Pose> read_pose(const Rows& rows, const RowRules& rules) {
-  bool is_known = true;
-  for (const std::string_view column : rules.columns)
-    if (column != "time" && is_missing(rows.text(column)))
-      is_known = false;
-    else
-      rows.real(column);
-  if (!is_known) return std::nullopt;
-  Pose pose;
-  pose.position = {rows.real("x"), rows.real("y"), rows.real("z")};
-  auto& rotation = pose.orientation.emplace();
-  if (rows.has("qw")) {
-    rotation =
-        rotation_of(rows, {rows.real("qx"), rows.real("qy"), rows.real("qz"), rows.real("qw")});
-    return pose;
-  }
-  for (size_t i = 0; i < rotation.size(); ++i) rotation[i] = rows.real(fmt::format("m{}", i));
-  if (!is_rotation(rotation)) rows.fail("its matrix is not a rotation");
-  return pose;
-}
-
 // Reads any format, with fixes as positions on the earth.
 Trajectory read_any(const std::filesystem::path& path) {
   const FileStart start = open_start(path);
-  const std::string_view format = pose_line_format(start.first_line);
-  if (!format.empty()) return read_pose_lines(path, format, true);
-  if (is_pose_header(start.header))
+  if (is_pose_table(start.header))
     return read_pose_csv(path, {}, kMaxGrownFrames, /*with_times=*/true);
   if (start.is_folder || is_gps_header(start.header)) return read_fixes(path);
+  if (const Layout* layout = detect_layout(start)) return read_layout(path, *layout, true);
   refuse_convertible(start.path, start.bytes);
-  throw Error(ErrorKind::usage,
-              "{}: is not a trajectory. Use one pose per line in the format of TUM (8 numbers), "
-              "KITTI (12 numbers) or EuRoC (time in ns and more, with commas), a CSV frame,x,y, or "
-              "a CSV with lat and lon",
-              path.string());
-}
-
-void require_rising_times(const Trajectory& trajectory) {
-  FileLocation location{trajectory.name};
-  for (size_t i = 1; i < trajectory.times_ns.size(); ++i) {
-    if (trajectory.times_ns[i] > trajectory.times_ns[i - 1]) continue;
-    if (i < trajectory.lines.size()) location.at("line", trajectory.lines[i]);
-    refuse_time_order(location, trajectory.times_ns[i - 1], trajectory.times_ns[i]);
-  }
+  if (const std::string hint = columns_hint(start); !hint.empty())
+    throw Error(ErrorKind::usage, "{}{}", path.string(), hint);
+  throw Error(
+      ErrorKind::usage,
+      "{}: is not a trajectory. Use one pose per line in a layout ({}), a CSV frame,x,y, or a "
+      "CSV with lat and lon",
+      path.string(), fmt::join(names_of(layouts()), ", "));
 }
 
 // Reads the times of the poses from a file; `remedy` is for a trajectory that has times.
@@ -207,6 +135,71 @@ void remove_unknown(Trajectory& trajectory) {
   trajectory.times_ns = std::move(times);
   std::erase_if(trajectory.poses, [](const auto& pose) { return !pose; });
   trajectory.lines.clear();  // lines of removed poses are no longer valid
+}
+
+/// The names of the frames of one side.
+struct SideNames {
+  std::optional<FrameNames> names;  // unset: unknown
+  bool are_images = false;          // set by the user: every line must name one
+};
+
+SideNames names_of_side(const Trajectory& trajectory, const SideOptions& side,
+                        const NameReader& names) {
+  const std::filesystem::path& images = side.files.images;
+  if (!images.empty()) {
+    const SequenceSource sequence = open_sequence(parse_sequence_argument(images.string()));
+    if (sequence.kind != SequenceKind::images)
+      throw Error(ErrorKind::usage,
+                  "{}: is not a folder or list of images, to which a file of positions can refer "
+                  "by name",
+                  images.string());
+    return {FrameNames(file_names(sequence)), true};
+  }
+  if (!names) return {};
+  try {
+    return {FrameNames(names())};
+  } catch (const Error& error) {
+    if (trajectory.has_certain_names || error.kind() != ErrorKind::usage) throw;
+    return {};  // a video, next to a column that may be of any texts
+  }
+}
+
+// The poses of the frames that the lines name; nullopt if the names are other texts, so that pose i
+// belongs to frame i.
+std::optional<Poses> poses_by_name(const Trajectory& trajectory, const SideOptions& side,
+                                   const NameReader& reader) {
+  const SideNames side_names = names_of_side(trajectory, side, reader);
+  if (!side_names.names && !trajectory.has_certain_names) return std::nullopt;
+  if (!side_names.names)
+    throw Error(ErrorKind::usage,
+                "{}: names its frames, such as {}. Pass their images with --{}-images FOLDER",
+                trajectory.name, trajectory.names.front(), side.name);
+  if (!parse_sequence_argument(trajectory.name).range.is_all())
+    throw Error(ErrorKind::usage,
+                "{}: its lines are selected by names. Add the range to the images",
+                trajectory.name);
+  const FrameNames& names = *side_names.names;
+  const auto count = static_cast<size_t>(std::ranges::count_if(
+      trajectory.names, [&](const std::string& name) { return names.find(name).has_value(); }));
+  if (!trajectory.has_certain_names && 2 * count <= trajectory.names.size()) return std::nullopt;
+  if (count == 0 && !side_names.are_images)
+    throw Error(ErrorKind::data, "{}: no line names a frame of the sequence; the first names {}",
+                trajectory.name, trajectory.names.front());
+  Poses poses(names.count().value_or(0));
+  std::vector<bool> is_named(poses.size());
+  FileLocation location{trajectory.name};
+  for (size_t i = 0; i < trajectory.names.size(); ++i) {
+    const std::string& name = trajectory.names[i];
+    location.at("line", trajectory.lines[i]);
+    const auto frame = names.find(name);
+    if (!frame && side_names.are_images)
+      location.fail("{} has no image {}, or several", side.files.images.string(), name);
+    if (!frame) continue;  // of another sequence
+    if (is_named[*frame]) location.fail("the image {} is listed twice", name);
+    is_named[*frame] = true;
+    poses[*frame] = trajectory.poses[i];
+  }
+  return poses;
 }
 
 }  // namespace
@@ -299,45 +292,43 @@ std::optional<PlaceLabel> label_of(const Pose& a, const Pose& b, const Nearness&
   return is_within(nearness.radius_m) ? PlaceLabel::same : PlaceLabel::ignore;
 }
 
-std::string_view pose_line_format(std::string_view first_line) {
-  for (const LineFormat& format : line_formats()) {
-    const auto cells = first_row(std::string(first_line), format.rules.separators);
-    const size_t columns = format.rules.columns.size();
-    if (cells.size() < columns || (cells.size() > columns && !format.rules.has_others)) continue;
-    const auto unit = unit_of_time(cells[0]);
-    if (format.has_times() && (!unit || unit != format.unit.value_or(*unit))) continue;
-    if (std::ranges::all_of(std::span(cells).first(columns), [](std::string_view cell) {
-          return parse_real(cell) || is_missing(cell);
-        }))
-      return format.name;
+void warn_of_steps(const Trajectory& trajectory, const Monitor& monitor) {
+  const Poses& poses = trajectory.poses;
+  size_t count = 0;
+  size_t first = 0;
+  for (size_t i = 1; i < poses.size(); ++i) {
+    if (!poses[i - 1] || !poses[i] || poses[i - 1]->area != poses[i]->area ||
+        square_distance(*poses[i - 1], *poses[i]) <= kLongestStep * kLongestStep)
+      continue;
+    if (count++ == 0) first = i;
   }
-  return {};
+  if (count == 0) return;
+  warn(monitor,
+       "{}: {} longer than {:g} m, such as {:.0f} m from pose {} to pose {}. Positions must be in "
+       "meters, and unknown ones nan",
+       trajectory.name, counted(count, "step between poses is", "steps between poses are"),
+       kLongestStep, std::sqrt(square_distance(*poses[first - 1], *poses[first])), first - 1,
+       first);
 }
 
-Trajectory read_pose_lines(const std::filesystem::path& path, std::string_view format_name,
-                           bool with_times) {
-  const LineFormat& format = find_named(line_formats(), "format of poses", format_name);
-  const SequenceArgument source = parse_sequence_argument(path.string());
-  Rows rows(source.path, path.string(), format.rules);
-  Trajectory found;
-  found.name = path.string();
-  TimeReader times(format.unit);
-  for (size_t index = 0; rows.next(); ++index) {
-    if (!frame_in_range(source.range, index)) continue;
-    found.poses.push_back(read_pose(rows, format.rules));
-    found.lines.push_back(rows.line());
-    if (with_times && format.has_times())
-      found.times_ns.push_back(times.read(rows.location(), rows.text("time")));
+void require_rising_times(const Trajectory& trajectory) {
+  FileLocation location{trajectory.name};
+  for (size_t i = 1; i < trajectory.times_ns.size(); ++i) {
+    if (trajectory.times_ns[i] > trajectory.times_ns[i - 1]) continue;
+    if (i < trajectory.lines.size()) location.at("line", trajectory.lines[i]);
+    refuse_time_order(location, trajectory.times_ns[i - 1], trajectory.times_ns[i]);
   }
-  return found;
 }
 
 Trajectory read_trajectory(const std::filesystem::path& path, const std::filesystem::path& times) {
   Trajectory found = read_any(path);
   std::optional<LocalPlane> plane;
   flatten(found, plane);
-  require_rising_times(found);
   if (!times.empty()) add_times(found, times, times.string());
+  if (found.has_certain_names && found.times_ns.empty())
+    throw Error(ErrorKind::usage,
+                "{}: names its frames in any order. Write one pose per frame, in their order",
+                path.string());
   return found;
 }
 
@@ -400,9 +391,11 @@ std::string describe_times(const GroundTruthArgument& argument, bool are_fixes) 
 }
 
 Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Trajectory trajectory,
-                    const Monitor& monitor) {
+                    const NameReader& names, const Monitor& monitor) {
   const SideOptions side = side_options(argument, pose_side);
   const TruthSide& files = side.files;
+  if (files.times.empty() && !trajectory.names.empty())
+    if (auto poses = poses_by_name(trajectory, side, names)) return std::move(*poses);
   if (files.times.empty()) {
     const GroundTruthOptions& options = argument.options;
     const bool has_times = !options.query.times.empty() || !options.train.times.empty();
@@ -426,10 +419,11 @@ Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Tra
 }
 
 Trajectory read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
-                            const Monitor& monitor) {
+                            const NameReader& names, const Monitor& monitor) {
   Trajectory read = read_any(path);
   Trajectory found{.name = read.name, .is_on_earth = read.is_on_earth};
-  found.poses = poses_of_side({"", {}, 0, options}, PoseSide::train, std::move(read), monitor);
+  found.poses =
+      poses_of_side({"", {}, 0, options}, PoseSide::train, std::move(read), names, monitor);
   return found;
 }
 

@@ -78,30 +78,28 @@ struct Trajectory {
   std::vector<size_t> lines =
       {};  ///< line of each pose in the file, counted from 1; empty for a CSV
   std::vector<int64_t> times_ns = {};  ///< one per pose, or empty if the file has no times
-  bool is_on_earth = false;            ///< positions are those of earth_position()
-  bool has_heights = true;             ///< false: a CSV without a column z
-  bool has_floors = false;             ///< a CSV with a column floor
+  /// Names of the poses' frames, or empty if the file has none.
+  std::vector<std::string> names = {};
+  bool has_certain_names = false;  ///< false: of a column that may have other texts
+  bool is_on_earth = false;        ///< positions are those of earth_position()
+  bool has_heights = true;         ///< false: a CSV without a column z
+  bool has_floors = false;         ///< a CSV with a column floor
 };
 
-/// The format of a file with one pose per line and this first line; empty for other files.
-/// - "tum" (the RGB-D benchmark of TU Munich): time x y z qx qy qz qw, separated by blanks.
-/// - "kitti" (the odometry benchmark): the 3 x 4 matrix (rotation, position) row by row, without
-///   times. A matrix whose first three columns are not a rotation is refused.
-/// - "euroc" (state_groundtruth_estimate0/data.csv): time in nanoseconds, x, y, z, qw, qx, qy, qz
-///   and optionally more, separated by commas.
-std::string_view pose_line_format(std::string_view first_line);
+/// Warns of consecutive poses that are more than 1 km apart: their coordinates are not meters, other
+/// columns, or zeros instead of unknown poses.
+void warn_of_steps(const Trajectory& trajectory, const Monitor& monitor);
 
-/// Reads a file in a format of pose_line_format. Without
-/// `with_times`, times may be any numbers and are ignored; otherwise they need not increase. As in
-/// all readers of this header, a range may follow the path (PATH@FIRST:LAST[:STEP]). Throws
-/// Error(input) if the file cannot be read and Error(data), with the line, if it is damaged.
-Trajectory read_pose_lines(const std::filesystem::path& path, std::string_view format,
-                           bool with_times);
+/// Throws Error(data), with the line, if times do not increase.
+void require_rising_times(const Trajectory& trajectory);
 
-/// Reads a trajectory in a format detected by content. GPS fixes are projected to the plane that
-/// touches the earth at the first one. For a file without times, `times`, if not empty, has them:
-/// one per line and pose (KITTI's times.txt). Times must increase. Throws Error(usage) for other
-/// files, or if both files have times.
+/// Reads a trajectory of any layout (truth/layouts.h), a CSV of poses or GPS fixes, which are
+/// projected to the plane that touches the earth at the first one. As in all readers of this
+/// header, a range may follow the path (PATH@FIRST:LAST[:STEP]). For a file without times, `times`,
+/// if not empty, has them: one per line and pose (KITTI's times.txt). Times need not increase.
+/// Throws Error(input) if a file cannot be read; Error(data), with the line, if it is damaged;
+/// Error(usage) for other files, for a file that names its frames in any order, or if both files
+/// have times.
 Trajectory read_trajectory(const std::filesystem::path& path, const std::filesystem::path& times);
 
 /// The association of frames with poses.
@@ -144,16 +142,20 @@ SideOptions side_options(const GroundTruthArgument& argument, PoseSide side);
 std::string describe_times(const GroundTruthArgument& argument, bool are_fixes = false);
 
 /// The poses of the frames of one side: by time if the options have the times of frames (as
-/// associate() does; poses without a position are removed first); otherwise pose i belongs to frame
-/// i. Throws as associate() and the readers of times do, and Error(usage) for options that lack a
-/// required option or have invalid values.
+/// associate() does; poses without a position are removed first); by name if the file has names
+/// (without folders, with or without extension), of the images in the options or else of `names`,
+/// which may be null; otherwise pose i belongs to frame i. Every line must name one of the images
+/// in the options; lines may name frames of other sequences than that of `names`. Throws as
+/// associate() and the readers of times do, Error(usage) for options that lack a required option or
+/// have invalid values, and Error(data), with the line, for two lines of one frame, and if no line
+/// names a frame.
 Poses poses_of_side(const GroundTruthArgument& argument, PoseSide side, Trajectory trajectory,
-                    const Monitor& monitor);
+                    const NameReader& names, const Monitor& monitor);
 
 /// The pose of each training frame, from `path` in any format of read_trajectory, by time if the
 /// options have the times of frames; without lines and times. Fixes keep their positions on the
 /// earth. Throws as poses_of_side does.
 Trajectory read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
-                            const Monitor& monitor);
+                            const NameReader& names, const Monitor& monitor);
 
 }  // namespace vpr

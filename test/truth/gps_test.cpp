@@ -51,6 +51,62 @@ TEST_CASE("with fixes by image names, other images have no place") {
   check_refused([&] { read_labels(argument, 3, 3); }, "line 3: the image b/a1.jpg is listed twice");
 }
 
+TEST_CASE("names of frames in any column identify them, if the names of the sequence are known") {
+  const auto names = [] { return std::vector<std::string>{"walk/b.jpg", "walk/c.jpg"}; };
+  GroundTruthScope scope{{"", 2}, {{{"ref", 2}, true, names}}};
+  GroundTruthScope unknown = scope;
+  scope.query_names = names;
+  write_text("r.csv", "lat,lon\n52,13\n53,13\n");
+  const auto draw = [&](const std::string& rows, const GroundTruthScope& by) {
+    write_text("q.csv", rows);
+    return test::draw(read_ground_truth(by_positions("q.csv", "r.csv", 1), by), 2, 2);
+  };
+  for (const char* rows : {",key,lon,lat,ca\n0,c,13,53,1\n1,b,13,52,1\n",
+                           "image_name,lat,lon\nc.jpg,53,13\nb.jpg,52,13\n",
+                           "image,time,lat,lon\nc,1,53,13\nb,2,52,13\nz,3,1,1\n",
+                           "note,shot,lat,lon\nx,walk/c,53,13\nx,walk/b,52,13\n"}) {
+    INFO(rows);
+    CHECK(draw(rows, scope) == "S. .S");
+  }
+  CHECK(draw("note,lat,lon\nfirst,52,13\nsecond,53,13\n", scope) == "S. .S");
+  check_refused([&] { draw("key,lat,lon\nx,52,13\ny,53,13\n", scope); },
+                "no line names a frame of the sequence; the first names x");
+  check_refused([&] { draw("shot,lat,lon\nc.jpg,52,13\nb.jpg,53,13\n", unknown); },
+                "--query-images", ErrorKind::usage);
+}
+
+TEST_CASE("logs of phones and of ROS are read by their own columns") {
+  write_text("r.csv", "lat,lon\n52,13\n52.001,13\n");
+  for (const char* rows :
+       {"\"Time (s)\",\"Latitude (\xc2\xb0)\",\"Longitude (\xc2\xb0)\",\"Height (m)\",\"Velocity "
+        "(m/s)\"\n"
+        "0.5,52,13,40,1\n1.5,52.001,13,40,1\n",
+        "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.latitude,"
+        "field.longitude,field.altitude\n1500000000000000000,1,1500000000000000000,gps,52,13,9\n"
+        "1500000001000000000,2,1500000001000000000,gps,52.001,13,9\n"}) {
+    write_text("q.csv", rows);
+    GroundTruthArgument argument = by_positions("q.csv", "r.csv", 1);
+    CHECK(read_labels(argument, 2, 2) == "S. .S");
+    const auto times = read_fixes("q.csv").times_ns;
+    REQUIRE(times.size() == 2);
+    CHECK(times[1] - times[0] == kSecond);
+  }
+}
+
+TEST_CASE("latitudes and longitudes in radians are refused, unless the header names their unit") {
+  const std::string radians = "0.9076,0.2269\n0.9077,0.2269\n";
+  write_text("q.csv", "lat,lon\n" + radians);
+  check_refused([&] { read_labels(by_positions("q.csv", "q.csv", 1), 2, 2); },
+                "lat_rad and lon_rad");
+  check_refused([&] { read_trajectory("q.csv", {}); }, "lat_rad and lon_rad");
+  write_text("q.csv", "lat_rad,lon_rad\n" + radians);
+  // 0.0001 radians are 638 m of latitude.
+  CHECK(read_labels(by_positions("q.csv", "q.csv", 639), 2, 2) == "SS SS");
+  CHECK(read_labels(by_positions("q.csv", "q.csv", 637), 2, 2) == "S. .S");
+  write_text("q.csv", "lat_deg,lon_deg\n" + radians);
+  CHECK(read_labels(by_positions("q.csv", "q.csv", 12), 2, 2) == "SS SS");
+}
+
 TEST_CASE("invalid positions are refused with the line") {
   write_text("r.csv", "lat,lon\n52,13\n");
   const auto refused = [&](const std::string& rows, const std::string& words) {
@@ -88,7 +144,7 @@ TEST_CASE("frames are located on a track by time") {
   CHECK(read_labels(argument, 3, 2) == ".S S. ii");
   GroundTruthOptions train;
   train.train.times = "q.times";
-  CHECK(read_train_poses("t.csv", train, {}).poses[1].has_value());
+  CHECK(read_train_poses("t.csv", train, {}, {}).poses[1].has_value());
   argument.options.max_difference_s = 0.5;
   CHECK(read_labels(argument, 3, 2) == ".S ii ii");
   argument.options.query.times.clear();
@@ -126,6 +182,10 @@ TEST_CASE("formats that scripts convert are refused with the script") {
                   ErrorKind::usage);
   };
   refused("t.gpx", "gpx.py", ErrorKind::usage);
+  write_text("t.nmea", "$GPGGA,120000.00,5200.0000,N,01300.0000,E,1,08,0.9,40.0,M,45.0,M,,*6B\r\n");
+  refused("t.nmea", "gpx.py", ErrorKind::usage);
+  check_refused([&] { read_trajectory("t.nmea", {}); },
+                "gpsbabel -i nmea -f LOG -o gpx -F track.gpx, then", ErrorKind::usage);
   refused("photos", "exif.py", ErrorKind::data);
   check_refused([&] { read_trajectory("t.gpx", {}); }, "gpx.py", ErrorKind::usage);
   check_refused([&] { read_frame_times("photos", {}); }, "exif.py");

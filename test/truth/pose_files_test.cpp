@@ -205,7 +205,26 @@ TEST_CASE("folders of images with UTM names have a default radius of 25 m") {
   CHECK(read_labels(argument, 1, 12) == "SS..........");
   write_text("r/plain.jpg", "");
   CHECK(test::error_kind([&] { read_labels(argument, 1, 13); }) == ErrorKind::data);
+  std::filesystem::remove("r/plain.jpg");
   write_text("q/@0@0.0@32@@@@1@.jpg", "");
   write_text("q/@0@0.0@33@@@@2@.jpg", "");
-  CHECK(test::has(test::error_text([&] { read_labels(argument, 3, 13); }), "zone"));
+  CHECK(test::has(test::error_text([&] { read_labels(argument, 3, 12); }), "zone"));
+}
+
+TEST_CASE("images in several UTM zones are compared on the ellipsoid") {
+  for (const char* folder : {"q", "r"}) std::filesystem::create_directory(folder);
+  // 10.82 m west and east of 12 E, 61 N, the border of two zones; and 11.16 m around 3 E, 60 N,
+  // where zone 32V is wider than others (pyproj 3.4.1).
+  write_text("q/@662212.816@6766502.743@32@V@0.jpg", "");
+  write_text("q/@499994.422@6651411.190@31V@@1.jpg", "");
+  write_text("q/@nan@nan@32@V@2.jpg", "");
+  write_text("r/@165645.895@6666593.066@32@V@0.jpg", "");
+  write_text("r/@337787.184@6766502.742@33@V@1.jpg", "");
+  const GroundTruthArgument argument = by_positions("q", "r", 11);
+  CHECK(read_labels(argument, 3, 2) == ".. .S ii");
+  CHECK(read_labels(by_positions("q", "r", 11.2), 3, 2) == "S. .S ii");
+  CHECK(read_labels(by_positions("q", "r", 10.8), 3, 2) == ".. .. ii");
+  write_text("r/@337787.184@6766502.742@33@@2.jpg", "");  // without a band
+  CHECK(
+      test::has(test::error_text([&] { read_labels(argument, 3, 3); }), "need the zone and band"));
 }

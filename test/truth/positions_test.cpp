@@ -53,6 +53,18 @@ TEST_CASE("distances equal geodesic ones, except for the curvature of the earth"
   CHECK(meters_apart({90, 0}, {89.99999, 0}) == Approx(1.116939).margin(1e-5));
 }
 
+TEST_CASE("UTM coordinates are places on the ellipsoid") {
+  // Of pyproj 3.4.1, EPSG 32633, 32632 and 32756.
+  const auto is_near = [](const Geographic& found, double latitude, double longitude) {
+    CHECK(found.latitude_deg == Approx(latitude).margin(1e-9));
+    CHECK(found.longitude_deg == Approx(longitude).margin(1e-9));
+  };
+  is_near(place_of_utm(500000, 0, 31, false), 0, 3);
+  is_near(place_of_utm(500123.4, 5790456.7, 33, false), 52.264494418137, 15.001808185433);
+  is_near(place_of_utm(297000, 6700000, 32, false), 60.385313328321, 5.316348902160);
+  is_near(place_of_utm(334900.5, 6252300.25, 56, true), -33.856696345611, 151.215301403919);
+}
+
 TEST_CASE("the antimeridian and the poles are ordinary places") {
   CHECK(meters_apart({52, 179.999995}, {52, -179.999995}) ==
         Approx(meters_apart({52, 9.999995}, {52, 10.000005})).margin(1e-6));

@@ -160,3 +160,20 @@ TEST_CASE("live frames are resampled like those of a complete recording") {
   CHECK(test::error_kind([&] { open({}).next({}); }) == ErrorKind::usage);
   CHECK(open(10).next({})->name == "a.png");
 }
+
+TEST_CASE(
+    "times of a phone's clock, in nanoseconds since its start, give the rate of live frames") {
+  Names images;
+  for (int64_t i = 0; i < 9; ++i)
+    images.push_back(fmt::format("{}.png", 170'000'000'000'000 + i * 125'000'000));
+  Recording walk(images);
+  std::string list;
+  for (const std::string& image : images) list += image + "\n";
+  test::write_text(walk.folder / "list.txt", list);
+  auto source = open_resampled_source(
+      open_live_source({walk.folder / "list.txt", {}}, Unreadable::fail), 2, {});
+  size_t count = 0;
+  while (source.next({})) ++count;
+  CHECK(count == names_of(walk.rated({}, 2)).size());
+  CHECK(count == 3);
+}

@@ -2,6 +2,7 @@
 #include "truth/trajectory.h"
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include "loops/loops.h"
 #include "truth/times.h"
@@ -54,6 +55,35 @@ TEST_CASE("times are exact to the nanosecond, and their magnitude determines the
   CHECK(time_text(5000000000) == "5");
 }
 
+TEST_CASE("the unit of times follows from their step, not from their digits") {
+  const auto unit = [](const std::vector<std::string_view>& texts) {
+    return unit_of_times({"t.txt"}, texts);
+  };
+  // Phones count from their start: 5 and 47 hours in nanoseconds.
+  CHECK(unit({"18000000000000", "18000100000000"}) == TimeUnit::nanoseconds);
+  CHECK(unit({"170000000000000", "170000033333333"}) == TimeUnit::nanoseconds);
+  CHECK(unit({"0", "100", "200"}) == TimeUnit::milliseconds);
+  CHECK(unit({"0", "100000", "200000"}) == TimeUnit::microseconds);
+  CHECK(unit({"0", "0.1", "0.2"}) == TimeUnit::seconds);
+  CHECK(unit({"0", "1", "2"}) == TimeUnit::seconds);
+  CHECK(unit({"2.5", "7.5"}) == TimeUnit::seconds);
+  // Dates, also with the steps of a mocap system and of a time lapse.
+  CHECK(unit({"1403636580838555648", "1403636580839555648"}) == TimeUnit::nanoseconds);
+  CHECK(unit({"1403636580838555", "1403636580839555"}) == TimeUnit::microseconds);
+  CHECK(unit({"1403636580838", "1403636580938"}) == TimeUnit::milliseconds);
+  CHECK(unit({"1403636580", "1403637180"}) == TimeUnit::seconds);
+  // The median step, so gaps do not matter; nothing is known of one time.
+  CHECK(unit({"0", "100", "200", "900000", "900100"}) == TimeUnit::milliseconds);
+  CHECK(unit({"170000000000000"}) == TimeUnit::microseconds);
+  CHECK_FALSE(unit({"2024-05-01T12:34:56Z", "2024-05-01T12:34:57Z"}));
+  CHECK_FALSE(unit({}));
+  test::check_refused(
+      [&] {
+        unit({"0", "5", "10"});
+      },
+      "t.txt: the unit of its times is unclear: they are 5 s or 5 ms apart");
+}
+
 TEST_CASE("the nearest time is the earlier one on a tie") {
   const std::vector<int64_t> times = {10, 20, 40};
   CHECK(nearest_time(times, -5) == 0);
@@ -96,7 +126,7 @@ TEST_CASE("trajectories of TUM, EuRoC and KITTI are detected, with their times i
 TEST_CASE("times that decrease or repeat are refused with the line") {
   const TextFiles file;
   const auto falls = file("t.txt", std::string("2") + kNoTurn + "\n1" + kNoTurn);
-  test::check_refused([&] { read_trajectory(falls, {}); },
+  test::check_refused([&] { require_rising_times(read_trajectory(falls, {})); },
                       "t.txt, line 3: its time 1 is before the time of the previous frame, 2");
   const auto repeats = file("r.txt", "1\n1\n");
   CHECK(test::error_kind([&] { read_time_list(repeats); }) == ErrorKind::data);
@@ -124,6 +154,35 @@ TEST_CASE("lists of times may have headers, file names and ranges") {
        {"frame,clock\n0,1.5\n", "secs,nsecs\n0,5\n", "seconds,nanoseconds\n0,5\n",
         "a.png,1.5\nb.png,2.25\n", "0,1.5\n1,2.25\n", "0 1.5\n1 2.25\n", "1,5\n2,25\n"})
     CHECK(test::has(test::error_text([&] { read_time_list(file("n.csv", text)); }), "time"));
+}
+
+TEST_CASE("loops have the unit of their trajectory, and gaps without effect are named") {
+  const TextFiles file;
+  std::string poses;
+  for (int i = 0; i < 40; ++i)
+    poses += fmt::format("{}{}", 18000000000000 + i * 100000000LL, kNoTurn);
+  const Trajectory trajectory = read_trajectory(file("t.txt", poses), {});
+  CHECK(trajectory.times_ns[1] - trajectory.times_ns[0] == 100000000);
+  CHECK(read_loops(file("l.csv", "18003900000000,18000000000000\n"), trajectory).loops[0].query ==
+        39);
+  CHECK(read_loops(file("s.csv", "18003.9,18000.1\n"), trajectory).loops[0].match == 1);
+  const auto fault = [&](const char* gap) {
+    return gap_fault(parse_loop_gap(gap, "--gap"), trajectory.times_ns, 40);
+  };
+  CHECK(fault("1s").empty());
+  CHECK(fault("10").empty());
+  CHECK(fault("0.1s") == "excludes no frame, because they are 0.1 s apart");
+  CHECK(fault("10s") == "excludes nearly all frames, because they cover 3.9 s");
+  CHECK(fault("39") == "excludes nearly all of the 40 frames");
+}
+
+TEST_CASE("equal times matter only where times are used") {
+  const TextFiles file;
+  const Trajectory repeated = read_trajectory(
+      file("t.txt", std::string("1") + kNoTurn + "1" + kNoTurn + "2" + kNoTurn), {});
+  const LoopList list = read_loops(file("l.csv", "2,0\n"), repeated);
+  CHECK(judge_loops(list, repeated, {{1}, {{}, 1}}).loops.size() == 1);
+  test::check_refused([&] { judge_loops(list, repeated, {{1}, {kSecond, 0}}); }, "t.txt, line 2");
 }
 
 TEST_CASE("loop closures are indices or time stamps, with or without scores") {
