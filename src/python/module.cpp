@@ -50,6 +50,14 @@ Callers& callers() {
   return all;
 }
 
+// A forked process has only the thread that forked it.
+void forget_threads() {
+  Callers& all = callers();
+  all.lacks_threads = all.lacks_threads || !all.depths.empty();
+  std::erase_if(all.depths,
+                [](const auto& call) { return call.first != std::this_thread::get_id(); });
+}
+
 }  // namespace
 
 InCall::InCall() {
@@ -313,11 +321,8 @@ PYBIND11_MODULE(_vpr, module) {
     const py::gil_scoped_release release;
     callers().wait_for_others();
   }));
-  py::module_::import("os").attr("register_at_fork")("after_in_child"_a = py::cpp_function([] {
-                                                       Callers& all = callers();
-                                                       if (!all.depths.empty())
-                                                         all.lacks_threads = true;
-                                                     }));
+  py::module_::import("os").attr("register_at_fork")("after_in_child"_a =
+                                                         py::cpp_function(forget_threads));
   add_databases(module);
   add_queries(module);
   add_evaluations(module);

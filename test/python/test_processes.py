@@ -111,6 +111,20 @@ def fork_and_call(call):
     return text
 
 
+def test_a_process_forked_during_a_call_ends(walks):
+    code = ("import os, threading, numpy as np, vpr\n"
+            "rows = np.load('monday.npy'); started = threading.Event(); may_end = threading.Event()\n"
+            "def wait(*step): started.set(); may_end.wait(60)\n"
+            "call = dict(descriptors=np.tile(rows, (20, 1)), progress=wait)\n"
+            "threading.Thread(target=vpr.train, kwargs=call).start(); started.wait(60)\n"
+            "child = os.fork()\n"
+            "if child == 0: vpr.train(descriptors=rows)\n"
+            "else: print(os.waitpid(child, 0)[1], flush=True); may_end.set()\n")
+    done = subprocess.run([sys.executable, "-c", code], cwd=walks, capture_output=True, text=True,
+                          timeout=60)
+    assert (done.returncode, done.stdout) == (0, "256\n") and "method spawn" in done.stderr
+
+
 def test_a_process_forked_during_a_call_names_the_cause(walks):
     rows = np.load(walks / "monday.npy")
     db = vpr.train(descriptors=rows)
