@@ -39,7 +39,7 @@ size_t frame_of_index(const Rows& rows, std::string_view column, size_t frames) 
   return frame;
 }
 
-// The unit in which the first time of a list is nearest to a pose; that of its size on a tie.
+// The unit in which the first time of a list is nearest to a pose; on a tie, the unit by its size.
 std::optional<TimeUnit> unit_in(Rows& rows, const Trajectory& trajectory) {
   std::optional<TimeUnit> best;
   if (!rows.next() || trajectory.times_ns.empty()) return best;

@@ -21,9 +21,9 @@ struct Layout {
   std::string_view separators;
   /// The columns in their order. Roles are time, sec and nsec, frame, image, x, y, z, qx to qw (a
   /// quaternion), m0 to m8 (a rotation matrix, row by row), yaw (in radians), lat and lon; other
-  /// columns are skipped. Of a table: the columns that its header may name.
+  /// columns are skipped. In a table, the columns that its header may name.
   std::vector<std::string_view> columns;
-  /// Possible numbers of columns; those after `columns` are skipped. Empty: of a table.
+  /// Possible numbers of columns; those after `columns` are skipped. Empty for a table.
   std::vector<size_t> widths = {};
   std::string_view marker = {};   ///< a part of the comments before the first line; empty: none
   std::string_view keyword = {};  ///< the first cell of its lines; others are skipped; empty: all

@@ -28,8 +28,9 @@ struct Geographic {
 /// earth.
 std::array<double, 3> earth_position(const Geographic& place);
 
-/// Meters east and north in a zone of UTM (WGS84), 1 to 60, of one hemisphere, as a place: the series
-/// of Krueger to the fourth order (Karney 2011, equations 36 to 38), exact to 0.1 mm within the zone.
+/// Meters east and north in a zone of UTM (WGS84), 1 to 60, of one hemisphere, as a place: the
+/// series of Krueger to the fourth order (Karney 2011, equations 36 to 38), exact to 0.1 mm within
+/// the zone.
 Geographic place_of_utm(double east, double north, int zone, bool is_southern);
 
 /// The plane that touches the earth at its origin.

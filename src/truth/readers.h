@@ -225,10 +225,10 @@ std::optional<Pose> parse_utm_name(std::string_view file_name);
 
 /// The argument's path is the query, its `reference` the training sequence: folders or lists, as
 /// passed to vpr-query and vpr-train, with positions as names. Images within a radius (default 25
-/// m) show the same place. In several zones, distances are those of gps if every image has its zone and
-/// band; otherwise zones that do not touch show different places. Images whose position is nan have
-/// no pose. Throws Error(data) for a name without coordinates, for zones that touch without bands, or
-/// if the numbers of images and frames differ.
+/// m) show the same place. In several zones, distances are those of gps if every image has its zone
+/// and band; otherwise zones that do not touch show different places. Images whose position is nan
+/// have no pose. Throws Error(data) for a name without coordinates, for zones that touch without
+/// bands, or if the numbers of images and frames differ.
 std::string read_utm_names(GroundTruthBuilder& builder);
 
 /// A folder, or a list whose first image has a UTM name.

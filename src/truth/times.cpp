@@ -162,13 +162,16 @@ std::optional<TimeUnit> unit_of_times(const FileLocation& file,
     if (is_between(*middle, unit, kLeastStep, kGreatestStep)) plausible.emplace_back(unit, symbol);
   }
   if (plausible.empty()) return unit_of_time(texts.front());
-  const bool is_clear =
-      plausible.size() == 1 || (has_points && plausible.front().first == TimeUnit::seconds);
-  if (!is_clear)
+  if (has_points && plausible.front().first == TimeUnit::seconds) return TimeUnit::seconds;
+  // A recording of less than a second has a larger unit.
+  const double duration = std::abs(last - *first);
+  while (plausible.size() > 1 &&
+         duration * static_cast<double>(plausible.back().first) < double{kSecond})
+    plausible.pop_back();
+  if (plausible.size() > 1)
     file.fail(
         "the unit of its times is unclear: they are {} {} or {} {} apart. Add a first line with "
-        "the "
-        "names of the columns, such as time_{} or time_{}, or write seconds with a decimal point",
+        "the names of the columns, such as time_{} or time_{}, or write seconds with a point",
         *middle, plausible[0].second, *middle, plausible[1].second, plausible[0].second,
         plausible[1].second);
   return plausible.front().first;

@@ -31,7 +31,8 @@ std::optional<TimeUnit> unit_of_time(std::string_view text);
 /// is 2 ms to 10 s. Times that are dates of 2001 to 2039 in one unit may have steps from 0.1 ms to
 /// one hour. Clocks of phones count from their start, so the size of a number alone says nothing.
 /// If no unit fits, and for fewer than two numbers, as unit_of_time. Nullopt if the first text
-/// is not a number. Throws Error(data) if two units fit.
+/// is not a number. Throws Error(data) if two units
+/// fit and all times cover at least a second in both.
 std::optional<TimeUnit> unit_of_times(const FileLocation& file,
                                       std::span<const std::string_view> texts);
 /// The unit in the name of a column or, without any, unit_of_times.

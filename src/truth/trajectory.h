@@ -86,8 +86,8 @@ struct Trajectory {
   bool has_floors = false;         ///< a CSV with a column floor
 };
 
-/// Warns of consecutive poses that are more than 1 km apart: their coordinates are not meters, other
-/// columns, or zeros instead of unknown poses.
+/// Warns of consecutive poses that are more than 1 km apart: their coordinates are not meters,
+/// other columns, or zeros instead of unknown poses.
 void warn_of_steps(const Trajectory& trajectory, const Monitor& monitor);
 
 /// Throws Error(data), with the line, if times do not increase.
@@ -145,7 +145,7 @@ std::string describe_times(const GroundTruthArgument& argument, bool are_fixes =
 /// associate() does; poses without a position are removed first); by name if the file has names
 /// (without folders, with or without extension), of the images in the options or else of `names`,
 /// which may be null; otherwise pose i belongs to frame i. Every line must name one of the images
-/// in the options; lines may name frames of other sequences than that of `names`. Throws as
+/// in the options; with `names`, lines may name frames of other sequences. Throws as
 /// associate() and the readers of times do, Error(usage) for options that lack a required option or
 /// have invalid values, and Error(data), with the line, for two lines of one frame, and if no line
 /// names a frame.

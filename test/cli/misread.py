@@ -185,9 +185,9 @@ def utm_names():
     refused(4, "which touches it", *judge[:5], "more.npy", *judge[6:])
     write("city/@0@0@Paris@.jpg", "")
     assert '"Paris" in' in said("vpr-eval", "check", "city", "--ground-truth-train", "city")
-    for band in "UH":
-        write(f"equator/@0@0@33@{band}@.jpg", "")
-    refused(4, "zone 33 south", "vpr-eval", "check", "equator", "--ground-truth-train", "equator")
+    for north, band in ((0, "N"), (10000000, "M")):
+        write(f"equator/@500000@{north}@33@{band}@.jpg", "")
+    assert same_pairs("equator", "--ground-truth-train", "equator") == 4
 
 
 def lists():

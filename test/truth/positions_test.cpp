@@ -54,7 +54,7 @@ TEST_CASE("distances equal geodesic ones, except for the curvature of the earth"
 }
 
 TEST_CASE("UTM coordinates are places on the ellipsoid") {
-  // Of pyproj 3.4.1, EPSG 32633, 32632 and 32756.
+  // By pyproj 3.4.1, EPSG 32633, 32632 and 32756.
   const auto is_near = [](const Geographic& found, double latitude, double longitude) {
     CHECK(found.latitude_deg == Approx(latitude).margin(1e-9));
     CHECK(found.longitude_deg == Approx(longitude).margin(1e-9));

@@ -77,9 +77,10 @@ TEST_CASE("the unit of times follows from their step, not from their digits") {
   CHECK(unit({"170000000000000"}) == TimeUnit::microseconds);
   CHECK_FALSE(unit({"2024-05-01T12:34:56Z", "2024-05-01T12:34:57Z"}));
   CHECK_FALSE(unit({}));
+  CHECK(unit({"0", "5", "10"}) == TimeUnit::seconds);  // 10 ms are not a recording
   test::check_refused(
       [&] {
-        unit({"0", "5", "10"});
+        unit({"0", "5", "10", "1000"});
       },
       "t.txt: the unit of its times is unclear: they are 5 s or 5 ms apart");
 }
