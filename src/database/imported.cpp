@@ -115,7 +115,12 @@ struct RowImport {
   std::function<void(std::span<const double> row, std::span<uint8_t> out)> store;
   /// only of vectors, which are missing if all values are NaN
   std::function<void(std::span<const double> row, const std::string& where)> check = {};
+  bool needs_direction = false;  ///< so vectors of zeros can only be skipped
 };
+
+bool is_zero_vector(std::span<const double> vector) {
+  return std::ranges::all_of(vector, [](double number) { return number == 0; });
+}
 
 RowImport import_of(std::string_view kind, const ArrayRows& rows, double unit) {
   const bool is_bits = kind == kBitKind;
@@ -135,9 +140,9 @@ RowImport import_of(std::string_view kind, const ArrayRows& rows, double unit) {
     return {1, [unit](auto row, auto out) { store_point(row, unit, out); },
             [unit](auto row, const std::string& where) { check_point(row, unit, where); }};
   if (kind == kDirectionKind)
-    return {1, [unit](auto row, auto out) { store_direction(row, unit, out); }, check_vector};
-  if (kind == kNarrowVectorKind) return {1, store_numbers<int8_t>, check_vector};
-  return {1, store_numbers<int16_t>, check_vector};
+    return {1, [unit](auto row, auto out) { store_direction(row, unit, out); }, check_vector, true};
+  if (kind == kNarrowVectorKind) return {1, store_numbers<int8_t>, check_vector, true};
+  return {1, store_numbers<int16_t>, check_vector, true};
 }
 
 // Writes the descriptors of all rows that are not missing.
@@ -149,10 +154,11 @@ void import_rows(const ArrayRows& rows, const RowImport& import, Unreadable unre
   std::vector<std::optional<Error>> errors(blocks);
   StepCounter counter(monitor, "import", rows.count());
   const auto import_row = [&](size_t i, std::span<const double> row) {
-    is_missing[i] = import.check && is_missing_vector(row) ? 1 : 0;
+    const bool is_zero = import.needs_direction && is_zero_vector(row);
+    is_missing[i] = is_zero || (import.check && is_missing_vector(row)) ? 1 : 0;
     if (is_missing[i] != 0 && unreadable == Unreadable::fail)
-      throw Error(ErrorKind::data, "{} is missing (all NaN); use --skip-unreadable to ignore it",
-                  rows.where(i));
+      throw Error(ErrorKind::data, "{} is {}; use --skip-unreadable to ignore it", rows.where(i),
+                  is_zero ? "a vector of zeros, which has no direction" : "missing (all NaN)");
     if (is_missing[i] != 0) return;
     if (import.check) import.check(row, rows.where(i));
     import.store(row, out.subspan(i * row_bytes, row_bytes));
@@ -297,7 +303,7 @@ void check_numbers(std::span<const double> vector, const std::string& where) {
 
 void check_vector(std::span<const double> vector, const std::string& where) {
   check_numbers(vector, where);
-  if (std::ranges::all_of(vector, [](double number) { return number == 0; }))
+  if (is_zero_vector(vector))
     throw Error(ErrorKind::data, "{}: is a vector of zeros, which has no direction", where);
 }
 

@@ -165,8 +165,13 @@ TEST_CASE("invalid descriptors are refused with the row") {
   CHECK_NOTHROW(import({path, {}}));
   values[3 * 17 + 1] = values[3 * 17 + 2] = 0;
   write_array(path, values, {40, 3});
-  CHECK(refusal({path, {}}) == name + ": row 17: is a vector of zeros, which has no direction");
-  CHECK(refusal({path, {10, 30, 1}}).starts_with(name + ": row 17:"));
+  CHECK(
+      refusal({path, {}}) ==
+      name +
+          ": row 17 is a vector of zeros, which has no direction; use --skip-unreadable to ignore "
+          "it");
+  CHECK(refusal({path, {10, 30, 1}}).starts_with(name + ": row 17 is"));
+  CHECK(import({path, {}}, Unreadable::skip).sequence.unreadable == std::vector<size_t>{17});
   values[3 * 9 + 2] = std::numeric_limits<double>::infinity();
   write_array(path, values, {40, 3}, true);
   CHECK(refusal({path, {}}) == name + ": row 9: value 2 is inf");

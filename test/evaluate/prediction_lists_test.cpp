@@ -59,6 +59,7 @@ TEST_CASE("frames are identified by the end of their paths") {
   CHECK_FALSE(names.find("3.jpg"));
   CHECK_FALSE(names.find("db/left/1.jpg db/left/2.jpg"));  // two frames
   CHECK(FrameNames({"q/a.jpg"}).find("/elsewhere/a.jpg") == 0U);
+  CHECK(FrameNames({"q/a.jpg", "r/a.jpg"}).find("C:\\there\\r\\a.jpg") == 1U);
   const FrameNames numbers({});
   CHECK_FALSE(numbers.count());
   CHECK_FALSE(numbers.find("12"));

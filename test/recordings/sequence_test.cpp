@@ -91,7 +91,7 @@ TEST_CASE("a step beyond the end selects one frame") {
 }
 
 TEST_CASE("a list yields its files in its own order, relative to its folder") {
-  write_text("list.txt", "# two frames\r\nb/2.png\r\n\na/1.png");
+  write_text("list.txt", "# two frames, one by Windows\r\nb\\2.png\r\n\na/1.png");
   fs::create_directory("a");
   write_text("a/1.png", "");
   const SequenceSource sequence = open_sequence({"list.txt", {}});
