@@ -40,7 +40,7 @@ def row(text, name):
              for line in text.splitlines()]
     head = next(line for line in table if "R@1" in line)
     found = next(line for line in table if line[0] == name)
-    values = dict(zip(head, (cell.rstrip("*") for cell in found)))
+    values = dict(zip(head, (re.sub(r" \[.*|\*$", "", cell) for cell in found)))
     return tuple(values.get(column, "-") for column in NAMES)
 
 
@@ -152,8 +152,11 @@ for one in both["reports"]:
 
 # Answers to places: all frames count, and each place has its verdict.
 places = json.loads(run("vpr-eval", "one.json", "--json"))["recognized_places"]
-answers = "".join(f"{i},{one['query']},{one['sequence']},{one['train']},{'no' if i > 1 else 'yes'}\n"
-                  for i, one in enumerate(places[:-1], 1))
+run("vpr-eval", "one.json", "--ask-places", "places.html", "--quiet")
+data = re.search(r'id="data">(.*?)</script>', (folder / "places.html").read_text(), re.S)[1]
+rows = [one["row"] for one in json.loads(data)["questions"]]
+answers = "".join(f"{row},{'yes' if row.startswith('1,') else 'no'}\n" for row in rows
+                  if not row.startswith(f"{len(places)},"))
 judge = ("vpr-eval", "one.json", "--places", write("places.csv", "place,query,sequence,train,same\n" + answers))
 path, text = json.loads(run(*judge, "--json"))["localization"], " ".join(run(*judge, "-v").split())
 assert text.startswith(f"{path['recognized']} of {path['frames']} frames recognized, "), text
