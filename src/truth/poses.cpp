@@ -381,8 +381,9 @@ std::string read_utm_names(GroundTruthBuilder& builder) {
     const SequenceSource sequence = open_sequence(parse_sequence_argument(path.string()));
     if (sequence.kind != SequenceKind::images)
       builder.fail("is not a folder or list of images named @east@north@...");
+    sides[side] = parse_names(builder, sequence);
     require_sorted(sequence);
-    for (UtmName& name : sides[side] = parse_names(builder, sequence))
+    for (UtmName& name : sides[side])
       if (name.pose) located.push_back(&name);
   }
   builder.at_file(argument.path);

@@ -29,7 +29,7 @@ def examples_of(page):
     return re.findall(r"```python\n(.*?)```", (SOURCE / page).read_text(), re.S)
 
 
-@pytest.mark.parametrize("page", ["docs/guide/python.md", "README.md"])
+@pytest.mark.parametrize("page", ["docs/guide/python.md"])
 def test_examples_of_guides_run(walks, tmp_path, monkeypatch, page):
     matplotlib.use("agg")
     for name in ("monday", "tuesday", "monday.npy", "tuesday.npy"):
