@@ -37,5 +37,5 @@ for name, encoder in (("H.264", ["libx264"]), ("HEVC", ["libx265", "-x265-params
     seen[name] = (sum(not line.startswith("#") for line in open("sums")), int(probe), frames)
 print("seen:", seen)
 assert cv2.__version__ == "4.6.0", cv2.__version__
-assert seen == {"H.264": (40, 40, 40), "HEVC": (40, 40, 40), "VP9": (40, 40, 40), "AV1": (60, 60, 60)}, "differs from what is stated above"
+assert seen == {"H.264": (40, 40, 40), "HEVC": (40, 40, 40), "VP9": (40, 40, 40), "AV1": (60, 60, 60)}, "differs from the statement above"
 PYTHON

@@ -38,5 +38,5 @@ for name, encoder in (("H.264", ["libx264", "-qp", "0"]), ("HEVC", ["libx265", "
     seen[name] = (int(cv2.VideoCapture("v.mkv").read()[1][32, 32, 0]), int(cv2.imread("v.png")[32, 32, 0]))
 print("seen:", seen)
 assert cv2.__version__ == "4.6.0", cv2.__version__
-assert seen == {"H.264": (60, 60), "HEVC": (60, 60), "VP9": (51, 60), "AV1": (51, 60), "FFV1": (51, 60)}, "differs from what is stated above"
+assert seen == {"H.264": (60, 60), "HEVC": (60, 60), "VP9": (51, 60), "AV1": (51, 60), "FFV1": (51, 60)}, "differs from the statement above"
 PYTHON

@@ -37,5 +37,5 @@ for name in ("v.mkv", "v.mp4"):
     seen[name] = (count, frames, probe)
 print("seen:", seen)
 assert cv2.__version__ == "4.6.0", cv2.__version__
-assert seen == {"v.mkv": (53.0, 18, "N/A"), "v.mp4": (18.0, 18, "18")}, "differs from what is stated above"
+assert seen == {"v.mkv": (53.0, 18, "N/A"), "v.mp4": (18.0, 18, "18")}, "differs from the statement above"
 PYTHON

@@ -36,5 +36,5 @@ for size in ("1920x1080", "160x120", "160x128"):
     seen[size] = [int(row) for row in np.flatnonzero(far.any(axis=(0, 2, 3)))]
 print("seen:", seen)
 assert cv2.__version__ == "4.10.0", cv2.__version__
-assert seen == {"1920x1080": [1077, 1078, 1079], "160x120": [117, 118, 119], "160x128": []}, "differs from what is stated above"
+assert seen == {"1920x1080": [1077, 1078, 1079], "160x120": [117, 118, 119], "160x128": []}, "differs from the statement above"
 PYTHON

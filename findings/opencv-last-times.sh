@@ -37,5 +37,5 @@ for name, encoder in (("x264", ["libx264"]), ("x264 without B-frames", ["libx264
     seen[name] = wrong
 print("seen:", seen)
 assert cv2.__version__ == "4.6.0", cv2.__version__
-assert seen == {"x264": [58, 59], "x264 without B-frames": [], "x265": [58, 59], "SVT-AV1": [59], "VP9": []}, "differs from what is stated above"
+assert seen == {"x264": [58, 59], "x264 without B-frames": [], "x265": [58, 59], "SVT-AV1": [59], "VP9": []}, "differs from the statement above"
 PYTHON

@@ -39,5 +39,5 @@ for name in ("plain.png", "srgb.png"):
     seen[name] = (bool((cv2.imread(name) == image).all()), int(difference.min()), int(difference.max()))
 print("seen:", seen)
 assert cv2.__version__ == "4.6.0", cv2.__version__
-assert seen == {"plain.png": (True, -1, 0), "srgb.png": (True, -11, 60)}, "differs from what is stated above"
+assert seen == {"plain.png": (True, -1, 0), "srgb.png": (True, -11, 60)}, "differs from the statement above"
 PYTHON

@@ -6,8 +6,8 @@
 The CSV has one line per image in the order of the frames, with the columns image, lat, lon and,
 if images have them, heading and time (seconds since 1970). Use it with --ground-truth and
 --query-images photos, and with --query-times for the times. Fields are empty if an image has no
-position: no tags, 0 N 0 E, or a receiver without a fix. The time is that of the GPS fix, which is
-UTC, or else that of the camera's clock. A clock without a time zone is corrected by the images with
+position: no tags, 0 N 0 E, or a receiver without a fix. The time is the time of the GPS fix, which is
+UTC, or else of the camera's clock. A clock without a time zone is corrected by the images with
 both times; without such images, it is read as UTC.
 Needs python3-pil.
 """

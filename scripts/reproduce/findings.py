@@ -150,7 +150,7 @@ def is_silent(cell, all_cells):
 
 
 def spoken(finding, cells, all_cells):
-    """The cells of rows in which something was recognized; of series with such a row."""
+    """The cells of rows in which something was recognized; of series, those with a row in which something was."""
     loud = [cell for cell in cells if not is_silent(cell, all_cells)]
     if KINDS[finding["kind"]][0] != "series":
         return loud
@@ -202,7 +202,7 @@ def check(finding, cells, whose="ours"):
 
 
 def check_all(experiment, cells, is_stand_in=True):
-    """The findings for the JSON, with the outcome on our numbers. What was tried is about stand-ins."""
+    """The findings for the JSON, with the outcome on our numbers. Trials are about stand-ins."""
     words = ("finding", "place", "kind", "contradicted", "unchecked", *(["tried"] if is_stand_in else []))
     subject = SUBJECTS[experiment["kind"] == "bench"]
     return [{**{key: finding[key] for key in words if key in finding}, "subject": subject,

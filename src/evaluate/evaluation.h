@@ -102,7 +102,7 @@ Evaluation evaluate_stored(const std::shared_ptr<const StoredResult>& stored,
 Evaluation evaluate_scores(ScoreMatrix matrix, const ScoreSettings& settings,
                            const EvaluationSettings& by, const Monitor& monitor);
 
-/// What a person said of the best match of a query frame; unset: nothing.
+/// The label that a person gave to the best match of a query frame; unset: none.
 std::optional<PlaceLabel> answer_to(const Evaluation& evaluation, const QueryOutcome& query);
 
 /// The share of correct best matches by labels of a sample of the query's frames; unset without a

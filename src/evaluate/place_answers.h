@@ -40,8 +40,9 @@ std::string answer_row(const Result& result, const PlacePart& part);
 void require_places(const Result& result);
 
 /// A label per part: `same` or `different` by the column "same" (yes or no), `ignore` without a
-/// row. A row of the representative of a place is of the part nearest to it. Throws as require_places does, Error(input) if the file cannot be read, and Error(data),
-/// with the line, if it has no answer, has two for a part, or a row is not a part of `result`.
+/// row. A row of the representative of a place is of the part nearest to it. Throws as
+/// require_places does, Error(input) if the file cannot be read, and Error(data), with the line, if
+/// it has no answer, has two for a part, or a row is not a part of `result`.
 std::vector<PlaceLabel> read_place_answers(const std::filesystem::path& path, const Result& result,
                                            const std::vector<PlacePart>& parts);
 

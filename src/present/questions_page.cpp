@@ -92,7 +92,7 @@ std::string page_of(Json data, const std::vector<Question>& questions, const Eva
                                     {"data", script_json(data)}});
 }
 
-/// `count` of `all`, evenly spaced. Every prefix of the answer is spread, too: positions are in the
+/// `count` of `all`, evenly spaced. Every prefix of the answer is also spread: positions are in the
 /// order of their reversed bits (van der Corput 1935).
 std::vector<size_t> spread_over(const std::vector<size_t>& all, size_t count) {
   size_t bits = 0;

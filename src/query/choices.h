@@ -16,12 +16,12 @@ namespace vpr {
 std::string_view default_method(QueryCommand command, std::span<const std::string> given);
 
 /// The query of `command` by `keys`, of which `given` have values that the user chose. Throws
-/// Error(usage) for a given value that the query cannot have, with what it does not go with and
-/// what to do instead, and as check_settings does. The grid of a sweep replaces t_r or the margin.
+/// Error(usage) for a given value that the query cannot have, with the setting that it does not go
+/// with and the cure, and as check_settings does. The grid of a sweep replaces t_r or the margin.
 SequenceQuerySettings choose_query(SequenceKeys keys, std::span<const std::string> given,
                                    QueryCommand command);
 
-/// Throws Error(usage) "--t-r does not go with --method filter", with what to do instead.
+/// Throws Error(usage) "--t-r does not go with --method filter", with the cure.
 [[noreturn]] void refuse_setting(std::string_view key, const Rule& rule);
 
 /// Throws Error(usage) for a value out of range, for one that does not fit the score, and for a

@@ -88,7 +88,7 @@ struct Lsh {
   LshSettings settings = {};
 };
 
-/// What a query by a sequence method computes and accepts. An impossible combination has no field.
+/// Scores and decisions of a query by a sequence method. An impossible combination has no field.
 using Rule = std::variant<Threshold, Margin, Filter, Lsh>;
 
 /// The query as its own training sequence: each frame is matched with earlier ones.

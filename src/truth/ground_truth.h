@@ -55,7 +55,7 @@ struct PersonLabel {
   uint32_t sequence = 0;
   size_t reference = 0;
   bool is_same = false;
-  size_t tolerance = 0;    ///< frames around the reference that are the same place, too
+  size_t tolerance = 0;    ///< frames around the reference that are also the same place
   bool is_spread = false;  ///< of a frame of the sample; otherwise of one near the decision
 };
 
@@ -79,7 +79,7 @@ struct GroundTruth {
   std::string protocol;  ///< a description for reports
   bool is_known = true;  ///< false: no match is evaluated
   /// Per query frame, the pairs that a person labeled; other pairs are unknown: labeled ignore.
-  /// Empty: all pairs are known. Of a sample, labels of its frames only.
+  /// Empty: all pairs are known. If a sample was asked, it has the labels of its frames only.
   std::vector<std::vector<Pair>> asked = {};
   std::vector<PersonLabel> person_labels = {};  ///< all rows of the file of labels
   bool is_sample = false;  ///< labeled frames are spread evenly along the query

@@ -171,7 +171,8 @@ TEST_CASE("invalid descriptors are refused with the row") {
           ": row 17 is a vector of zeros, which has no direction; use --skip-unreadable to ignore "
           "it");
   CHECK(refusal({path, {10, 30, 1}}).starts_with(name + ": row 17 is"));
-  CHECK(import({path, {}}, kVectorKind, Unreadable::skip).sequence.unreadable == std::vector<size_t>{17});
+  CHECK(import({path, {}}, kVectorKind, Unreadable::skip).sequence.unreadable ==
+        std::vector<size_t>{17});
   values[3 * 9 + 2] = std::numeric_limits<double>::infinity();
   write_array(path, values, {40, 3}, true);
   CHECK(refusal({path, {}}) == name + ": row 9: value 2 is inf");

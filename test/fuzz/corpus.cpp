@@ -78,7 +78,7 @@ void change(Json& json, Dice& dice) {
   }
 }
 
-// Numbers of a text or a header become others; bytes of the rest, too.
+// Numbers of a text or a header become others, as do bytes of the rest.
 void change(std::string& bytes, Dice& dice) {
   if (bytes.empty()) return;
   const size_t at = bytes.find_first_of("0123456789", dice.below(bytes.size()));

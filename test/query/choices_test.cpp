@@ -31,7 +31,7 @@ std::string error_of(const Json& json, QueryCommand command) {
 
 }  // namespace
 
-TEST_CASE("settings that cannot be combined are refused by both names, with what to do instead") {
+TEST_CASE("settings that cannot be combined are refused by both names, with the cure") {
   struct Refused {
     Json keys;
     const char* first;

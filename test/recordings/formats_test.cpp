@@ -118,7 +118,7 @@ TEST_CASE("16-bit gray and color are scaled by the range of their sequence") {
   CHECK(frames.at(2).at<uint8_t>(0, 0) == 255);  // 27155
 }
 
-TEST_CASE("the gray of a color image is that of its pixels, whatever gamma the file states") {
+TEST_CASE("the gray of a color image follows from its pixels, whatever gamma the file states") {
   const TemporaryFolder folder;
   cv::Mat image(8, 8, CV_8UC3);
   cv::randu(image, 0, 256);

@@ -30,7 +30,7 @@ for _name in ("_interpreters", "_xxsubinterpreters"):  # of Python 3.13, and bef
         _interpreters = _importlib.import_module(_name)
     except ImportError:
         continue
-    if _interpreters.get_current() != _interpreters.get_main():  # its state is that of the process
+    if _interpreters.get_current() != _interpreters.get_main():  # its state belongs to the process
         raise ImportError("vpr does not run in a sub-interpreter. Use a process")
     break
 
