@@ -84,18 +84,48 @@ std::string ground_truth_help() {
                      fmt::join(names_of(ground_truth_presets()), ", "));
 }
 
+namespace {
+
+void add_number(const Command& command, const std::string& flag, std::optional<double>& value,
+                const std::string& help) {
+  command.add_option(flag, value, help, kGroundTruthGroup);
+}
+
+void add_path(const Command& command, const std::string& flag, std::filesystem::path& path,
+              const std::string& help) {
+  command.add_option(
+      flag, [&path](const std::string& text) { path = text; }, help, kGroundTruthGroup, "FILE");
+}
+
+// The flags that assign poses to frames, by times or names.
+void add_frame_flags(const Command& command, GroundTruthOptions& options) {
+  add_path(
+      command, "--query-times", options.query.times,
+      "times of the query frames, for trajectories and gps: a list, a folder of images with times "
+      "as names, or a video; poses are matched by time");
+  add_path(command, "--train-times", options.train.times,
+           "times of the training frames, as for --query-times");
+  add_path(command, "--query-pose-times", options.query.pose_times,
+           "times of the query's poses, for kitti (times.txt)");
+  add_path(command, "--train-pose-times", options.train.pose_times,
+           "times of the poses of --ground-truth-train, for kitti");
+  add_path(command, "--query-images", options.query.images,
+           "images of the query, for gps and trajectories that name their frames");
+  add_path(command, "--train-images", options.train.images,
+           "images of the training sequence, as for --query-images");
+  add_number(command, "--max-difference", options.max_difference_s,
+             "longest time from a frame to its nearest pose in seconds (default: 0.02; gps: 1)");
+  add_number(command, "--offset", options.query.offset_s,
+             "seconds added to --query-times, for clocks that differ (default: 0)");
+  add_number(command, "--train-offset", options.train.offset_s,
+             "seconds added to --train-times (default: 0)");
+}
+
+}  // namespace
+
 void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
                             const std::string& format_flag) {
   GroundTruthOptions& options = flags.options;
-  const auto add_number = [&](const std::string& flag, std::optional<double>& value,
-                              const std::string& help) {
-    command.add_option(flag, value, help, kGroundTruthGroup);
-  };
-  const auto add_path = [&](const std::string& flag, std::filesystem::path& path,
-                            const std::string& help) {
-    command.add_option(
-        flag, [&path](const std::string& text) { path = text; }, help, kGroundTruthGroup, "FILE");
-  };
   command.add_option(
       "--tolerance",
       [&flags](const std::string& text) {
@@ -112,41 +142,22 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
       .choices("FORMAT", format_names());
   command.add_footer("Ground truth formats:\n" + format_summaries());
   add_path(
-      "--ground-truth-train", options.reference,
+      command, "--ground-truth-train", options.reference,
       "poses of the training sequence, for poses, trajectories, gps and utm, and for anchors with "
       "--radius");
-  add_number("--radius", options.radius_m,
+  add_number(command, "--radius", options.radius_m,
              "largest distance of the same place in meters, for poses, trajectories, gps, utm and "
              "anchors (default for utm: 25)");
-  add_number("--ignore-radius", options.ignore_radius_m,
+  add_number(command, "--ignore-radius", options.ignore_radius_m,
              "pairs farther apart than --radius, up to this distance in meters, are ignored");
-  add_number("--angle", options.angle_deg,
+  add_number(command, "--angle", options.angle_deg,
              "largest difference of headings of the same place in degrees, with --radius "
              "(default: any)");
-  add_number("--train-step", options.train_step,
+  add_number(command, "--train-step", options.train_step,
              "training frames per query frame, for aligned: query frame i shows training frame "
              "STEP * i (default: 1)");
-  add_path("--soft", options.soft, "pairs to ignore, for matrix (.npy)");
-  add_path(
-      "--query-times", options.query.times,
-      "times of the query frames, for trajectories and gps: a list, a folder of images with times "
-      "as names, or a video; poses are matched by time");
-  add_path("--train-times", options.train.times,
-           "times of the training frames, as for --query-times");
-  add_path("--query-pose-times", options.query.pose_times,
-           "times of the query's poses, for kitti (times.txt)");
-  add_path("--train-pose-times", options.train.pose_times,
-           "times of the poses of --ground-truth-train, for kitti");
-  add_path("--query-images", options.query.images,
-           "images of the query, for gps and trajectories that name their frames");
-  add_path("--train-images", options.train.images,
-           "images of the training sequence, as for --query-images");
-  add_number("--max-difference", options.max_difference_s,
-             "longest time from a frame to its nearest pose in seconds (default: 0.02; gps: 1)");
-  add_number("--offset", options.query.offset_s,
-             "seconds added to --query-times, for clocks that differ (default: 0)");
-  add_number("--train-offset", options.train.offset_s,
-             "seconds added to --train-times (default: 0)");
+  add_path(command, "--soft", options.soft, "pairs to ignore, for matrix (.npy)");
+  add_frame_flags(command, options);
   add_setting(command, "--matrix-rows", options.matrix_rows,
               "frames that are rows of a matrix (default: auto, as usual for the format)",
               kGroundTruthGroup);
