@@ -15,8 +15,6 @@
 namespace vpr {
 namespace {
 
-constexpr size_t kResamples = 2000;
-constexpr size_t kMinBlock = 10;
 constexpr const char* kMoreGroup = "More options";
 
 struct CompareInputs {
@@ -97,19 +95,6 @@ void claim_outputs(const Session& session, const CompareInputs& inputs) {
   session.claim_output({inputs.html}, inputs.plots);
 }
 
-ComparisonSettings settings_of(const Session& session, const CompareInputs& inputs,
-                               const std::vector<Report>& reports) {
-  ComparisonSettings settings{inputs.block, kResamples, session.options.process.seed,
-                              inputs.only_common,
-                              inputs.allow_different || compare_ground_truths(reports) ==
-                                                            GroundTruths::of_places_and_frames};
-  if (settings.block > 0) return settings;
-  settings.block = kMinBlock;
-  for (const Report& report : reports)
-    settings.block = std::max(settings.block, report.frames.outcomes.window_length);
-  return settings;
-}
-
 void run_compare(Session& session, const CompareInputs& inputs) {
   claim_outputs(session, inputs);
   const Stopwatch watch;
@@ -120,7 +105,9 @@ void run_compare(Session& session, const CompareInputs& inputs) {
   name_rows(comparison.reports, inputs.reports);
   warn_about_queries(session.monitor, inputs.reports, comparison.reports);
   check_ground_truths(session.monitor, inputs, comparison.reports);
-  comparison.settings = settings_of(session, inputs, comparison.reports);
+  comparison.settings =
+      comparison_settings(comparison.reports, inputs.block, session.options.process.seed,
+                          inputs.only_common, inputs.allow_different);
   compare_reports(comparison, session.monitor);
   comparison.made_by = provenance_of(session.run);
   Json json = comparison_json(comparison);

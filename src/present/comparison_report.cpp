@@ -151,6 +151,19 @@ std::string ComparisonReport::frames() const {
                      reports.front().frames_that_count());
 }
 
+ComparisonSettings comparison_settings(std::span<const Report> reports, uint64_t block,
+                                       uint64_t seed, bool only_common, bool omit_disputed) {
+  constexpr size_t kResamples = 2000;
+  constexpr size_t kMinBlock = 10;
+  const bool is_disputed = compare_ground_truths(reports) == GroundTruths::of_places_and_frames;
+  ComparisonSettings settings{block, kResamples, seed, only_common, omit_disputed || is_disputed};
+  if (settings.block > 0) return settings;
+  settings.block = kMinBlock;
+  for (const Report& report : reports)
+    settings.block = std::max(settings.block, report.frames.outcomes.window_length);
+  return settings;
+}
+
 void compare_reports(ComparisonReport& comparison, const Monitor& monitor) {
   std::vector<NamedOutcomes> methods;
   for (size_t r = 0; r < comparison.reports.size(); ++r)

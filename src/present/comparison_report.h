@@ -47,6 +47,12 @@ struct ComparisonReport {
   }
 };
 
+/// The settings of a comparison of these reports. `block`: 0 chooses the longest window, but at
+/// least 10 frames. Disputed frames are also omitted if the ground truths are of places and of
+/// frames.
+ComparisonSettings comparison_settings(std::span<const Report> reports, uint64_t block,
+                                       uint64_t seed, bool only_common, bool omit_disputed);
+
 /// Compares the reports, whose rows have names. If frames are omitted, restricts paired reports to
 /// the compared ones, so that all of their numbers are over these, except accepted pairs. Throws as
 /// compare_outcomes does.

@@ -73,17 +73,16 @@ struct Compared {
 // `texts`: report files, named `names`.
 std::shared_ptr<Compared> compare(Call& call, const std::vector<std::string>& texts,
                                   const std::vector<std::string>& names) {
-  constexpr size_t kMinBlock = 10;
-  constexpr size_t kResamples = 2000;
   const auto made = std::make_shared<Compared>();
   call.run([&](const Monitor& monitor) {
     ComparisonReport& all = made->comparison;
-    ComparisonSettings& settings = all.settings;
-    settings = {0, kResamples, call.keywords.process.seed};
+    uint64_t block = 0;
+    bool only_common = false;
+    bool allow_different = false;
     NestedObject own{[&](auto&& visit) {
-      visit("block", settings.block);
-      visit("common", settings.only_common);
-      visit("allow_different", settings.omit_disputed);
+      visit("block", block);
+      visit("common", only_common);
+      visit("allow_different", allow_different);
     }};
     call.keywords.read(own);
     if (texts.size() < 2) throw Error(ErrorKind::usage, "a comparison needs two or more reports");
@@ -92,17 +91,12 @@ std::shared_ptr<Compared> compare(Call& call, const std::vector<std::string>& te
       all.reports.push_back(parse_report(json ? *json : Json(), names[r]));
     }
     name_rows(all.reports, names);
-    const GroundTruths truths = compare_ground_truths(all.reports);
-    if (truths == GroundTruths::different && !settings.omit_disputed)
+    if (compare_ground_truths(all.reports) == GroundTruths::different && !allow_different)
       throw Error(ErrorKind::data,
                   "the reports have different ground truths. Evaluate all results with one of "
                   "them, or pass allow_different=True");
-    settings.omit_disputed |= truths == GroundTruths::of_places_and_frames;
-    if (settings.block == 0) {
-      settings.block = kMinBlock;
-      for (const Report& report : all.reports)
-        settings.block = std::max(settings.block, report.frames.outcomes.window_length);
-    }
+    all.settings = comparison_settings(all.reports, block, call.keywords.process.seed, only_common,
+                                       allow_different);
     compare_reports(all, monitor);
     all.made_by =
         provenance_of(run_of("vpr-eval", {call.keywords.function}, call.keywords.process.seed));
