@@ -181,6 +181,12 @@ PixelRange range_of(const cv::Mat& image) {
   return range;
 }
 
+std::optional<PixelRange> united(const std::optional<PixelRange>& a,
+                                 const std::optional<PixelRange>& b) {
+  if (!a || !b) return a ? a : b;
+  return PixelRange{std::min(a->low, b->low), std::max(a->high, b->high)};
+}
+
 void scale_to_8_bits(cv::Mat& image, const std::optional<PixelRange>& range) {
   if (image.depth() != CV_16U) return;
   const auto [low, high] = range ? *range : range_of(image);

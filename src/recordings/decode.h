@@ -45,6 +45,10 @@ cv::Mat in_format(const cv::Mat& image, PixelFormat format);
 /// The least and the largest value of all channels.
 PixelRange range_of(const cv::Mat& image);
 
+/// The range of both.
+std::optional<PixelRange> united(const std::optional<PixelRange>& a,
+                                 const std::optional<PixelRange>& b);
+
 /// Scales 16-bit values as decode_image does; images of 8 bits do not change.
 void scale_to_8_bits(cv::Mat& image, const std::optional<PixelRange>& range);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -66,13 +67,7 @@ std::optional<PixelRange> find_pixel_range(const SequenceSource& source, const M
   if (source.files.size() < 2 || !range_at(0)) return std::nullopt;
   std::vector<std::optional<PixelRange>> ranges(source.files.size());
   parallel_for(ranges.size(), monitor, [&](size_t i) { ranges[i] = range_at(i); });
-  PixelRange all = *ranges[0];
-  for (const auto& range : ranges) {
-    if (!range) continue;
-    all.low = std::min(all.low, range->low);
-    all.high = std::max(all.high, range->high);
-  }
-  return all;
+  return std::accumulate(ranges.begin(), ranges.end(), ranges[0], united);
 }
 
 Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
@@ -122,8 +117,8 @@ Sequence for_each_video_frame(const SequenceSource& source, PixelFormat format,
                               const FrameVisitor& body) {
   namespace tbb = oneapi::tbb;
   using FramePointer = std::shared_ptr<IndexedFrame>;
-  const auto range = VideoReader::pixel_range(source.argument, unreadable, monitor);
-  VideoReader reader(source.argument, format, unreadable, range);
+  VideoReader reader(source.argument, format, unreadable);
+  reader.find_range(monitor);
   StepCounter counter(monitor, "describe", reader.expected_frames());
   const auto read = [&](tbb::flow_control& control) {
     const ThreadOrder::Part part;

@@ -314,12 +314,8 @@ class VideoReader::Decoder {
 };
 
 VideoReader::VideoReader(const SequenceArgument& argument, std::optional<PixelFormat> format,
-                         Unreadable unreadable, const std::optional<PixelRange>& range)
-    : argument_(argument),
-      format_(format),
-      unreadable_(unreadable),
-      range_(range),
-      sequence_(argument.sequence) {
+                         Unreadable unreadable)
+    : argument_(argument), format_(format), unreadable_(unreadable), sequence_(argument.sequence) {
   refuse_text(argument.path);
   // After damage, the pixels of following frames depend on the number of threads.
   decoder_ =
@@ -327,6 +323,14 @@ VideoReader::VideoReader(const SequenceArgument& argument, std::optional<PixelFo
 }
 
 VideoReader::~VideoReader() = default;
+
+void VideoReader::find_range(const Monitor& monitor) {
+  if (!decoder_->is_deep()) return;
+  VideoReader reader(argument_, std::nullopt, unreadable_);
+  for (IndexedFrame frame; reader.next(frame, monitor);)
+    if (reader.decoder_->has_image())
+      range_ = united(range_, range_of(in_format(reader.decoder_->image(), PixelFormat::gray)));
+}
 
 bool VideoReader::next(IndexedFrame& frame, const Monitor& monitor) {
   const FrameRange& range = argument_.range;
@@ -413,21 +417,6 @@ bool VideoReader::decode_below(uint64_t position, const Monitor& monitor) {
     if (ended_) return false;
   }
   return true;
-}
-
-std::optional<PixelRange> VideoReader::pixel_range(const SequenceArgument& argument,
-                                                   Unreadable unreadable, const Monitor& monitor) {
-  VideoReader reader(argument, std::nullopt, unreadable);
-  if (!reader.decoder_->is_deep()) return std::nullopt;
-  std::optional<PixelRange> range;
-  for (IndexedFrame frame; reader.next(frame, monitor);) {
-    if (!reader.decoder_->has_image()) continue;
-    const cv::Mat image = in_format(reader.decoder_->image(), PixelFormat::gray);
-    const PixelRange found = range_of(image);
-    range = range ? PixelRange{std::min(range->low, found.low), std::max(range->high, found.high)}
-                  : found;
-  }
-  return range;
 }
 
 std::vector<int64_t> read_video_times(const SequenceArgument& argument, const Monitor& monitor) {

@@ -31,11 +31,16 @@ struct IndexedFrame {
 class VideoReader {
  public:
   /// `format` nullopt: without images. `unreadable`: of damaged frames, and of a video that ends
-  /// too early; decides in finish(). `range`: for 16-bit gray and color, as in decode_image. Throws
-  /// Error(input) for a file that is not a video, Error(usage) for frames that are too large.
+  /// too early; decides in finish(). Throws Error(input) for a file that is not a video,
+  /// Error(usage) for frames that are too large.
   VideoReader(const SequenceArgument& argument, std::optional<PixelFormat> format,
-              Unreadable unreadable, const std::optional<PixelRange>& range = {});
+              Unreadable unreadable);
   ~VideoReader();
+
+  /// For a video with more than 8 bits of gray, or 16 bits of red, green and blue: reads it once,
+  /// and scales all frames by their common range from then on, as decode_image does. Other videos
+  /// are not read. Throws as the constructor does.
+  void find_range(const Monitor& monitor);
 
   /// False at the end of the range.
   bool next(IndexedFrame& frame, const Monitor& monitor);
@@ -44,11 +49,6 @@ class VideoReader {
   /// that exceeds the video, Error(input) for one without frames, and, with Unreadable::fail, for a
   /// video that ends well before its stated duration, or that has undecodable frames.
   Sequence finish(const Monitor& monitor);
-
-  /// The range of a video with more than 8 bits of gray, or 16 bits of red, green and blue;
-  /// nullopt for other videos, which are not read. Throws as the constructor does.
-  static std::optional<PixelRange> pixel_range(const SequenceArgument& argument,
-                                               Unreadable unreadable, const Monitor& monitor);
 
   /// As stated by the video; 0: unknown.
   size_t expected_frames() const;
