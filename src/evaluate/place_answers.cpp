@@ -154,14 +154,13 @@ std::vector<PlaceLabel> read_place_answers(const std::filesystem::path& path, co
   std::map<std::string, size_t> by_row;
   for (size_t p = 0; p < parts.size(); ++p) by_row[answer_row(result, parts[p])] = p;
   // The middle of a place, as reports have it, stands for the part around it.
-  for (size_t place = 0; place < result.clusters->all.size(); ++place) {
-    const Cluster& cluster = result.clusters->all[place];
-    PlacePart whole{place, {}, 0, middle_of(cluster, result.window_length())};
-    size_t nearest = 0;
-    for (size_t p = 0; p < parts.size(); ++p)
-      if (parts[p].place == place &&
-          (parts[nearest].place != place || away(parts[p], whole) < away(parts[nearest], whole)))
-        nearest = p;
+  for (size_t p = 0; p < parts.size();) {
+    const size_t place = parts[p].place;
+    const PlacePart whole{
+        place, {}, 0, middle_of(result.clusters->all[place], result.window_length())};
+    size_t nearest = p;
+    for (; p < parts.size() && parts[p].place == place; ++p)
+      if (away(parts[p], whole) < away(parts[nearest], whole)) nearest = p;
     by_row.emplace(answer_row(result, whole), nearest);
   }
   while (rows.next()) {
