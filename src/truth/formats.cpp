@@ -85,8 +85,7 @@ std::vector<GroundTruthFormat> make_formats() {
        [](const FileStart& start) { return is_pose_table(start.header); }, read_poses},
       {"gps", "latitude and longitude: CSV lat,lon", kNamedOptions,
        [](const FileStart& start) {
-         const Layout* layout = detect_layout(start);
-         return is_gps_header(start.header) || (layout != nullptr && layout->has("lat"));
+         return is_gps_header(start.header) || (start.layout && start.layout->has("lat"));
        },
        read_gps},
       {"utm", "images named @east@north@...", kPoseOptions, is_utm_names, read_utm_names},
@@ -99,9 +98,7 @@ std::vector<GroundTruthFormat> make_formats() {
        ".npz"}};
   for (const Layout& layout : layouts()) {
     if (layout.has("lat")) continue;  // read by gps
-    const auto recognize = [&layout](const FileStart& start) {
-      return detect_layout(start) == &layout;
-    };
+    const auto recognize = [&layout](const FileStart& start) { return start.layout == &layout; };
     formats.insert(std::ranges::find(formats, "gps", &GroundTruthFormat::name),
                    {layout.name, layout.summary, kNamedOptions, recognize, read_trajectories});
   }
@@ -120,6 +117,7 @@ FileStart open_start(const std::filesystem::path& path) {
   start.is_cut = start.bytes.size() == kStartBytes;
   start.first_line = first_line_of(start.bytes);
   start.header = first_row(start.bytes);
+  start.layout = detect_layout(start);
   return start;
 }
 

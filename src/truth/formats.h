@@ -15,6 +15,7 @@
 namespace vpr {
 
 class GroundTruthBuilder;
+struct Layout;
 
 /// A file (for a folder only its name) and its beginning, by which its format is detected.
 struct FileStart {
@@ -25,6 +26,7 @@ struct FileStart {
   /// the first line that is neither empty nor a comment (#), without its end
   std::string first_line;
   std::vector<std::string> header;  ///< of a table
+  const Layout* layout = nullptr;   ///< of a trajectory (detect_layout); null: it is none
 };
 
 /// `path` may end in a range. Throws Error(input) if the file cannot be read.

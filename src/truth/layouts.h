@@ -2,6 +2,7 @@
 // the only reader.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -13,6 +14,17 @@
 #include "truth/trajectory.h"
 
 namespace vpr {
+
+inline constexpr std::array<std::string_view, 4> kQuaternion = {"qx", "qy", "qz", "qw"};
+inline constexpr std::array<std::string_view, 9> kMatrix = {"m0", "m1", "m2", "m3", "m4",
+                                                            "m5", "m6", "m7", "m8"};
+inline constexpr std::array<std::string_view, 3> kPosition = {"x", "y", "z"};
+
+/// Whether a column has coordinates or angles.
+bool is_value(std::string_view column);
+
+/// The number of columns of a line. VINS ends its lines with a comma.
+size_t width_of(std::span<const std::string_view> cells);
 
 /// A layout of files with one pose per line, or of tables with a header.
 struct Layout {

@@ -254,8 +254,8 @@ Trajectory read_fixes(const fs::path& path, std::optional<size_t> frames) {
                 "scripts/convert/exif.py",
                 path.string());
   if (!is_gps_header(start.header)) {
-    if (const Layout* layout = detect_layout(start); layout != nullptr && layout->has("lat"))
-      return read_layout(path, *layout, /*with_times=*/true);
+    if (start.layout != nullptr && start.layout->has("lat"))
+      return read_layout(path, *start.layout, /*with_times=*/true);
     refuse_convertible(start.path, start.bytes);
     throw Error(ErrorKind::data, "{}: is not a CSV with latitudes and longitudes{}", path.string(),
                 is_pose_header(start.header) ? "; its positions are in meters" : "");

@@ -38,7 +38,7 @@ Trajectory read_any(const std::filesystem::path& path) {
   if (is_pose_table(start.header))
     return read_pose_csv(path, {}, kMaxGrownFrames, /*with_times=*/true);
   if (start.is_folder || is_gps_header(start.header)) return read_fixes(path);
-  if (const Layout* layout = detect_layout(start)) return read_layout(path, *layout, true);
+  if (start.layout != nullptr) return read_layout(path, *start.layout, true);
   refuse_convertible(start.path, start.bytes);
   if (const std::string hint = columns_hint(start); !hint.empty())
     throw Error(ErrorKind::usage, "{}{}", path.string(), hint);

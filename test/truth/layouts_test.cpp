@@ -234,7 +234,7 @@ TEST_CASE("files in the form of their programs are detected and read") {
   for (const Example& example : examples()) {
     INFO(example.layout << ": " << example.text);
     write_text("p.txt", example.text);
-    const Layout* layout = detect_layout(open_start("p.txt"));
+    const Layout* layout = open_start("p.txt").layout;
     REQUIRE(layout != nullptr);
     CHECK(layout->name == example.layout);
     CHECK(detect_format("p.txt").name == example.layout);
