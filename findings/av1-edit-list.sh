@@ -15,7 +15,6 @@ chroot "$root" dpkg-query -W -f '${Package} ${Version}\n' ffmpeg python3-opencv
 chroot "$root" env SVT_LOG=0 python3 - <<'PYTHON'
 import os, subprocess, tempfile
 import cv2
-import numpy as np
 
 
 def ffmpeg(*words):

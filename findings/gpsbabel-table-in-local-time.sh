@@ -1,18 +1,21 @@
 #!/usr/bin/env bash
 # GPSBabel's CSV (unicsv) has the local time of the machine, and does not say so.
-#   Package: gpsbabel 1.8.0+ds-5 (Debian 12), installed by this script if it is missing.
+#   Package: gpsbabel 1.8.0+ds-5 (Debian 12).
 #   Guess: Date and Time are UTC, as in the NMEA log and in GPX of the same program.
 #   Seen: one log gives 12:00:00.500 or 21:00:00.500, depending on TZ; there is no column or comment
 #   with the zone. The option utc=0 of the format gives UTC.
-# Exits with 0 if this is still so, otherwise with 1.
+#
+# Makes a minimal Debian 12 with this package in a temporary folder. Needs root and the package mmdebstrap.
+# Exits with 0 if this is still so.
 set -euo pipefail
-package=gpsbabel version=1.8.0+ds-5
-[[ $(dpkg-query -W -f='${Version}' $package 2>/dev/null) == "$version" ]] ||
-  apt-get install -y -qq --no-install-recommends "$package=$version" >/dev/null
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-cd "$folder"
-/usr/bin/env python3 - <<'P'
+root=$(mktemp -d)
+trap 'rm -rf "$root"' EXIT
+mmdebstrap --variant=apt --include=gpsbabel,python3,tzdata bookworm "$root" >"$root.log" 2>&1 || { cat "$root.log"; exit 2; }
+rm "$root.log"
+[[ $(chroot "$root" dpkg-query -W -f='${Version}' gpsbabel) == 1.8.0+ds-5 ]]
+chroot "$root" bash -euo pipefail <<'SCRIPT'
+cd "$(mktemp -d)"
+python3 - <<'P'
 def sentence(text):
     check = 0
     for character in text:
@@ -25,7 +28,7 @@ with open("log.nmea", "w", newline="") as file:
         file.write(sentence(f"GPRMC,1200{second:02d}.50,A,5200.000{second},N,01300.0000,E,0.5,0.0,280326,,,A"))
 P
 export_at() { TZ=$1 gpsbabel -t -i nmea -f log.nmea -o "unicsv$2" -F log.csv && sed -n '1p;2p' log.csv | tr -d '\r'; }
-echo "$package $(dpkg-query -W -f='${Version}' $package); the log begins at 12:00:00.50 UTC"
+echo "gpsbabel 1.8.0+ds-5; the log begins at 12:00:00.50 UTC"
 for zone in UTC Asia/Tokyo; do
   echo "TZ=$zone"
   export_at "$zone" ""
@@ -34,3 +37,4 @@ echo "TZ=Asia/Tokyo, utc=0"
 export_at Asia/Tokyo ,utc=0
 [[ $(export_at UTC "" | tail -1) == *12:00:00.500 && $(export_at Asia/Tokyo "" | tail -1) == *21:00:00.500 &&
   $(export_at Asia/Tokyo ,utc=0 | tail -1) == *12:00:00.500 ]]
+SCRIPT

@@ -12,10 +12,9 @@ trap 'rm -rf "$root"' EXIT
 mmdebstrap --variant=apt --include=ffmpeg,python3-opencv bookworm "$root" >"$root.log" 2>&1 || { cat "$root.log"; exit 2; }
 rm "$root.log"
 chroot "$root" dpkg-query -W -f '${Package} ${Version}\n' ffmpeg python3-opencv
-chroot "$root" env SVT_LOG=0 python3 - <<'PYTHON'
+chroot "$root" python3 - <<'PYTHON'
 import os, subprocess, tempfile
 import cv2
-import numpy as np
 
 
 def ffmpeg(*words):
