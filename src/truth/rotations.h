@@ -11,7 +11,7 @@ namespace vpr {
 /// 1 by more than this tolerance, they are other values.
 inline constexpr double kLengthTolerance = 0.1;
 
-/// Of a quaternion x, y, z, w.
+/// The length of a quaternion x, y, z, w.
 double length_of(const std::array<double, 4>& q);
 /// Whether a quaternion may have this length.
 bool is_length(double length);
