@@ -8,7 +8,7 @@ dataset=${1:+$(realpath "$1")}
 cd "$(dirname "$0")/.."
 scripts/install-deps.sh --build
 cmake --preset release >/dev/null
-cmake --build --preset release --parallel "$(nproc)" --target vpr-synth vpr-train vpr-query vpr-eval
+cmake --build --preset release --parallel "$(nproc)" --target vpr-synth vpr-train vpr-query vpr-eval vpr-tune vpr-bench
 bin=build/release/bin
 out=out/demo
 mkdir -p "$out"
