@@ -45,7 +45,7 @@ std::string metrics_help() {
 
 void add_file_flags(const Command& command, EvalFlags& flags) {
   command.add_option("--expect", flags.expected,
-                     "compare with a vpr.expected/4 file (numbers, with \"tolerance\", or \"min\" "
+                     "compare with a vpr.expected/5 file (numbers, with \"tolerance\", or \"min\" "
                      "and \"max\") or an earlier report; exit code 5 if they differ",
                      kFileGroup, "FILE");
   command.add_flag("--update", flags.update,

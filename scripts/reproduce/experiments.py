@@ -40,14 +40,14 @@ def measures(counts):
     recognitions of a sequence method by their place (section 3.2). Without labels there are totals."""
     one_by_one = counts["pairs"]
     found = {"recognitions": sum(one_by_one[key] for key in ("correct", "incorrect", "ignored"))}
-    if "places" not in counts:  # FAB-MAP
+    if "clusters" not in counts:  # FAB-MAP
         return {**found, "correct": one_by_one["correct"], "incorrect": one_by_one["incorrect"],
                 "distinct": counts["distinct"]}
-    found["places in total"] = sum(counts["places"].values())
-    if by_place := counts.get("pairs_by_place"):
+    found["places in total"] = sum(counts["clusters"].values())
+    if by_place := counts.get("pairs_by_cluster"):
         for verdict in ("correct", "incorrect"):
             found[f"{verdict} recognitions"] = by_place[verdict]
-            found[f"{verdict} places"] = counts["places"][verdict]
+            found[f"{verdict} places"] = counts["clusters"][verdict]
     return found
 
 

@@ -38,7 +38,7 @@ def table(head, rows):
 
 def counts_of(counts):
     """Accepted pairs and places; for FAB-MAP, distinct places."""
-    places = counts.get("places", {})
+    places = counts.get("clusters", {})
     return [counts["pairs"]["correct"], counts["pairs"]["incorrect"], places.get("correct"),
             places.get("incorrect"), counts["distinct"]]
 

@@ -47,7 +47,7 @@ std::string schema_name(std::string_view kind) {
   constexpr std::array<std::string_view, 6> kOfReports = {"report",   "reports", "comparison",
                                                           "expected", "sweep",   "tuning"};
   const bool is_of_reports = std::ranges::find(kOfReports, kind) != kOfReports.end();
-  return fmt::format("vpr.{}/{}", kind, is_of_reports ? 4 : 3);
+  return fmt::format("vpr.{}/{}", kind, is_of_reports ? 5 : kind == "result" ? 4 : 3);
 }
 
 void require_schema(const Json& json, std::string_view schema_kind, const std::string& where,

@@ -16,7 +16,7 @@ struct CheckedValue {
 };
 
 /// Compares a report with `expected`, which is one of:
-/// - a "vpr.expected/4" file with any part of "counts", "best_match", "metrics" and "localization"
+/// - a "vpr.expected/5" file with any part of "counts", "best_match", "metrics" and "localization"
 ///   (numbers), of "settings" and of "protocol";
 /// - a whole earlier report, whose numbers, settings, tolerance and fingerprint of the ground truth
 ///   (without one, its description) are expected, but not the name of a score matrix.

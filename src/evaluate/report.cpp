@@ -46,10 +46,10 @@ void define_windows(Definitions& define, const Result& result) {
       {{"anchor", kAnchorProtocol},
        {"pairs",
         fmt::format(fmt::runtime(decision_kind(decision_of(settings.rule)).recognitions), measure)},
-       {"places", result.path ? "paths, judged at their middle frame"
-                              : "clusters of recognitions, judged at their mean"},
-       {"pairs_by_place", "recognitions, each with the verdict on its place"},
-       {"mixed_places", "correct places with incorrect recognitions"},
+       {"clusters", result.path ? "paths, judged at their middle frame"
+                                : "clusters of recognitions, judged at their mean"},
+       {"pairs_by_cluster", "recognitions, each with the verdict on its place"},
+       {"mixed_clusters", "correct places with incorrect recognitions"},
        {"distinct", "correct places"},
        {"best_match",
         fmt::format("the window with the lowest {}, ties to the first; rate = correct / frames",
@@ -242,7 +242,7 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
       return std::ranges::find(kTruthless, definition.first) == kTruthless.end();
     });
     if (judgment.by == JudgedBy::places)
-      define.emplace_back("places",
+      define.emplace_back("clusters",
                           "clusters or paths of recognitions, judged with all of their "
                           "recognitions by a person who "
                           "compared images; ignored without an answer");

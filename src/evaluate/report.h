@@ -1,5 +1,5 @@
 // Evaluation reports: the numbers of one evaluated result, or of evaluated scores. As JSON: of one
-// result (vpr.report/4), and of several results (vpr.reports/4).
+// result (vpr.report/5), and of several results (vpr.reports/5).
 #pragma once
 
 #include <array>

@@ -278,7 +278,7 @@ void visit_fields(Report& report, Visitor&& visit) {
   if (has_truth) visit("best_match", report.counts.best_match);
   visit("estimate", IfSet{report.estimate});
   visit("by_keyframe", IfSet{report.by_keyframe});
-  visit("recognized_places", IfSet{report.recognitions});
+  visit("clusters", IfSet{report.recognitions});
   if (has_truth) visit("metrics", report.metrics);
   visit("localization", NestedObject{[&](auto&& inner) {
           visit_metrics(report.frames.localization, &Metric::of_path, report.frames.by, inner);

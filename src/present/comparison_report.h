@@ -1,4 +1,4 @@
-// Comparisons of reports on one query (vpr.comparison/4).
+// Comparisons of reports on one query (vpr.comparison/5).
 #pragma once
 
 #include <array>

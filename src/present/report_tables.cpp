@@ -224,7 +224,7 @@ Table report_table(const Report& report) {
   if (report.query_settings() != nullptr) {
     add_metrics(table, report, {"pairs.correct", "pairs.incorrect"});
     if (report.counts.clusters)
-      add_metrics(table, report, {"places.correct", "mixed_places", "places.incorrect"});
+      add_metrics(table, report, {"clusters.correct", "mixed_clusters", "clusters.incorrect"});
     add_metrics(table, report, {"distinct"});
   }
   add_metrics(table, report, {"best_match.correct", "best_match.frames", "best_match.rate"});

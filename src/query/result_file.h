@@ -1,4 +1,4 @@
-// Result files (vpr.result/3): RESULT.json and its arrays, such as RESULT.recognitions.npy.
+// Result files (vpr.result/4): RESULT.json and its arrays, such as RESULT.recognitions.npy.
 #pragma once
 
 #include <filesystem>

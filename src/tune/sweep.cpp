@@ -364,8 +364,8 @@ SweepIntervals count_intervals(const Result& result, const GroundTruth& truth, u
                            interval(result.recognitions, &Match::query, PlaceLabel::different)};
   if (!result.clusters) return intervals;
   const std::vector<Cluster>& clusters = result.clusters->all;
-  intervals.correct_places = interval(clusters, &Cluster::query_window, PlaceLabel::same);
-  intervals.incorrect_places = interval(clusters, &Cluster::query_window, PlaceLabel::different);
+  intervals.correct_clusters = interval(clusters, &Cluster::query_window, PlaceLabel::same);
+  intervals.incorrect_clusters = interval(clusters, &Cluster::query_window, PlaceLabel::different);
   return intervals;
 }
 

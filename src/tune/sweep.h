@@ -131,8 +131,8 @@ struct SweepIntervals {
   size_t block = 1;  ///< frames that are drawn together
   Interval correct_recognitions;
   Interval incorrect_recognitions;
-  Interval correct_places = {};  ///< without FAB-MAP; a place counts at its mean query window
-  Interval incorrect_places = {};
+  Interval correct_clusters = {};  ///< without FAB-MAP; a cluster counts at its mean query window
+  Interval incorrect_clusters = {};
 };
 
 /// The recommended setting on another query.

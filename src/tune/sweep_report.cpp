@@ -55,8 +55,8 @@ Json choice_json(const Sweep& sweep, size_t first) {
         {"correct_recognitions", interval_json(sweep.intervals->correct_recognitions)},
         {"incorrect_recognitions", interval_json(sweep.intervals->incorrect_recognitions)}};
     if (sweep.cells.front().counts.clusters) {
-      json["intervals"]["correct_places"] = interval_json(sweep.intervals->correct_places);
-      json["intervals"]["incorrect_places"] = interval_json(sweep.intervals->incorrect_places);
+      json["intervals"]["correct_clusters"] = interval_json(sweep.intervals->correct_clusters);
+      json["intervals"]["incorrect_clusters"] = interval_json(sweep.intervals->incorrect_clusters);
     }
   }
   if (sweep.validation)
@@ -163,8 +163,8 @@ std::string intervals_text(const SweepIntervals& intervals, bool with_places) {
       fmt::format("Accepted pairs: correct {}, incorrect {}", range(intervals.correct_recognitions),
                   range(intervals.incorrect_recognitions));
   if (with_places)
-    text += fmt::format("; places: correct {}, incorrect {}", range(intervals.correct_places),
-                        range(intervals.incorrect_places));
+    text += fmt::format("; places: correct {}, incorrect {}", range(intervals.correct_clusters),
+                        range(intervals.incorrect_clusters));
   return text + fmt::format(" (95 %, blocks of {}).", counted(intervals.block, "frame"));
 }
 
@@ -247,9 +247,9 @@ Table cells_table(const std::vector<Sweep>& sweeps) {
   Table table;
   for (const std::string_view column :
        split("query,,,scale,pairs_correct,pairs_incorrect,pairs_ignored,"
-             "pairs_by_place_correct,pairs_by_place_incorrect,pairs_by_place_ignored,places_"
-             "correct,places_mixed,places_incorrect,"
-             "places_ignored,distinct,best_match_correct,best_match_incorrect,frames_with_match,"
+             "pairs_by_cluster_correct,pairs_by_cluster_incorrect,pairs_by_cluster_ignored,"
+             "clusters_correct,clusters_mixed,clusters_incorrect,clusters_ignored,"
+             "distinct,best_match_correct,best_match_incorrect,frames_with_match,"
              "pareto,recommended",
              ','))
     table.columns.emplace_back(column);

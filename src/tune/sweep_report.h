@@ -1,4 +1,4 @@
-// Sweeps (vpr.sweep/4) as JSON, charts, tables and text.
+// Sweeps (vpr.sweep/5) as JSON, charts, tables and text.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // Trials of different settings on queries with ground truth, the setting to use, and their report
-// (vpr.tuning/4).
+// (vpr.tuning/5).
 #pragma once
 
 #include <optional>

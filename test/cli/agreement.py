@@ -151,7 +151,7 @@ for one in both["reports"]:
         assert count == sum(frame["recognition"] == key for frame in judged), (one, key)
 
 # Answers to places: all frames count, and each place has its verdict.
-places = json.loads(run("vpr-eval", "one.json", "--json"))["recognized_places"]
+places = json.loads(run("vpr-eval", "one.json", "--json"))["clusters"]
 run("vpr-eval", "one.json", "--ask-places", "places.html", "--quiet")
 data = re.search(r'id="data">(.*?)</script>', (folder / "places.html").read_text(), re.S)[1]
 rows = [one["row"] for one in json.loads(data)["questions"]]

@@ -22,7 +22,7 @@ TEST_CASE("train, query and evaluate yield correct counts") {
   CHECK(report == file_json("e.json"));
   CHECK(report["counts"]["pairs"]["correct"].get<int>() > 20);
   CHECK(report["counts"]["pairs"]["incorrect"] == 0);
-  CHECK(report["counts"]["pairs_by_place"]["correct"].get<int>() > 20);
+  CHECK(report["counts"]["pairs_by_cluster"]["correct"].get<int>() > 20);
   CHECK(report["counts"]["distinct"].get<int>() >= 1);
   CHECK(report["best_match"]["rate"].get<double>() > 0.7);
   for (const std::string method : {"openable", "fastable-online"}) {
@@ -223,7 +223,7 @@ TEST_CASE("without ground truth, a result has totals, charts and a map, but no m
 TEST_CASE("answers to places judge a result, and only this one") {
   run_ok(kQuery + "--t-r 0.6 --t-r-scale relative -o r.json");
   run_ok("vpr-query $db --dataset $dataset --c-l 5 --t-r 0.6 -o other.json");
-  const Json place = printed_json("vpr-eval r.json --json")["recognized_places"][0];
+  const Json place = printed_json("vpr-eval r.json --json")["clusters"][0];
   write_text("p.csv",
              fmt::format("place,query,sequence,train,same\n1,{},{},{},yes\n", place["query"].dump(),
                          place["sequence"].get<std::string>(), place["train"].dump()));

@@ -191,7 +191,7 @@ TEST_CASE("reports are compared query by query") {
   run_ok("vpr-eval matrix w.npy -o w.json --quiet" + kAligned);
   const std::string compare = "vpr-eval compare s.json w.json";
   const Json found = report_of(compare + " -o c.json");
-  CHECK(found["schema"] == "vpr.comparison/4");
+  CHECK(found["schema"] == "vpr.comparison/5");
   CHECK(found["metrics"][1]["report"] == "w");
   CHECK(found["metrics"][1]["difference"].get<double>() == Approx(-3.0 / 12));
   const std::string text = run_ok(compare).out;

@@ -67,7 +67,7 @@ def answer_all(c_l):
     """Answers yes to every place of the last report, but no to the first."""
     report = read_json("out/reproduce/report.json")
     assert report["settings"]["c_l"] == c_l, report["settings"]
-    places = report["recognized_places"]
+    places = report["clusters"]
     with (downloads / f"put-mc-floor1/places-c_l-{c_l}.csv").open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["place", "query", "sequence", "train", "same"])

@@ -114,7 +114,7 @@ TEST_CASE("several results form one table, with a row and a name for each") {
   CHECK(has(outcomes, "\nc_l 2,one,0,1,one,1,"));
   CHECK(read_text("p.csv").starts_with("name,query,sequence,first_frame,frame,"));
   const Json reports = printed_json("vpr-eval " + words + " --json -o reports.json");
-  CHECK(reports["schema"] == "vpr.reports/4");
+  CHECK(reports["schema"] == "vpr.reports/5");
   CHECK(reports["reports"][1]["name"] == "long");
   CHECK(reports["reports"][1]["report"]["settings"]["c_l"] == 3);
   const std::string brief = run("vpr-eval " + words).out;

@@ -197,7 +197,7 @@ def answer_places(browser):
     run("vpr-eval", "result.json",
         "--ask-places", "places.html", "-o", "totals.json", "--quiet")
     totals = read_json("totals.json")
-    places = totals["recognized_places"]
+    places = totals["clusters"]
     count = len(places)
     assert count >= 4, count
 
@@ -232,8 +232,8 @@ def answer_places(browser):
     assert lines[0] == "place,query,sequence,train,same", lines[0]
     assert lines[1:] == [f"{one['row']},{answer}" for one, answer in zip(questions, answers) if answer], lines
     report = json.loads(run("vpr-eval", "result.json", "--places", "places.csv", "--json"))
-    by_place = report["counts"]["pairs_by_place"]
-    assert sum(report["counts"]["places"].values()) == count, report["counts"]
+    by_place = report["counts"]["pairs_by_cluster"]
+    assert sum(report["counts"]["clusters"].values()) == count, report["counts"]
     assert sum(by_place.values()) == sum(place["recognitions"]["ignored"] for place in places), by_place
     assert min(by_place.values()) > 0, by_place
     assert report["localization"]["correct"] > 0 < report["localization"]["incorrect"], report["localization"]

@@ -24,7 +24,7 @@ TEST_CASE("a baseline is written, met, missed and updated") {
   run_ok(kEval + "--expect baseline.json --update");
   const auto met = run_ok(kEval + "--expect baseline.json");
   CHECK(has(met.out, "expected values are met."));
-  write_text("baseline.json", R"({"schema": "vpr.expected/4",
+  write_text("baseline.json", R"({"schema": "vpr.expected/5",
       "best_match": {"rate": {"min": 2}, "frames": {"min": 1}}})");
   const auto missed = run(kEval + "--expect baseline.json --junit j.xml");
   CHECK(missed.exit_code == 5);

@@ -120,9 +120,9 @@ def check_counts():
     assert experiments.measures({"pairs": one_by_one, "distinct": 1}) == {
         "recognitions": 10, "correct": 5, "incorrect": 3, "distinct": 1}, "FAB-MAP"
     totals = {"recognitions": 10, "places in total": 3}
-    assert experiments.measures({"pairs": one_by_one, "places": places}) == totals, "no labels"
-    assert experiments.measures({"pairs": one_by_one, "places": places,
-                                "pairs_by_place": by_place}) == {
+    assert experiments.measures({"pairs": one_by_one, "clusters": places}) == totals, "no labels"
+    assert experiments.measures({"pairs": one_by_one, "clusters": places,
+                                "pairs_by_cluster": by_place}) == {
         **totals, "correct recognitions": 7, "incorrect recognitions": 3, "correct places": 1,
         "incorrect places": 2}, "by place"
 

@@ -63,7 +63,7 @@ vpr-bench fabmap --places 10 --words 100 --count 0 --variants fabmap2 --seconds 
 vpr-bench realtime w.vprdb --query building/query --frames 5 --rate 1000 -o b4.json
 vpr-bench compare b.json b.json -o bc.json
 END
-echo '{"schema": "vpr.expected/4", "counts": {"pairs": {"incorrect": {"value": 9, "tolerance": 99}, "correct": {"min": 1}}}}' >x.json
+echo '{"schema": "vpr.expected/5", "counts": {"pairs": {"incorrect": {"value": 9, "tolerance": 99}, "correct": {"min": 1}}}}' >x.json
 printf 'frame,x,y\n0,0,0\n1,5,0\n2,0,1\n3,5,9\n' >poses.csv
 printf 'query,match,score\n2,0,1\n3,1,0.5\n2,1,0.2\n' >loops.csv
 sed "s|SOURCE|$source|; s|DATA|building/dataset.json|" commands >commands.sh

@@ -174,7 +174,7 @@ TEST_CASE("every measure has its key in the schemas and in the reference") {
   const Json of_report = properties("report", "/properties/metrics/properties");
   const Json of_path = properties("report", "/properties/localization/properties");
   Json of_counts = properties("common", "/$defs/counts/properties");
-  of_counts.update(properties("common", "/$defs/place_counts/properties"));
+  of_counts.update(properties("common", "/$defs/sequence_counts/properties"));
   Json of_best_match = properties("common", "/$defs/best_match/properties");
   of_best_match.update(properties("report", "/properties/best_match/properties"));
   const std::string reference = read_text(source_path("docs/reference/metrics.md"));

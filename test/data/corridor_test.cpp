@@ -92,8 +92,8 @@ TEST_CASE("recognitions and places on the corridor with its labeled pairs") {
                                  {"--ground-truth", *corridor / "ground_truth.csv"})["counts"];
     CHECK(counts["pairs"]["correct"] == row.counts[0]);
     CHECK(counts["pairs"]["incorrect"] == row.counts[1]);
-    CHECK(counts["places"]["correct"] == row.counts[2]);
-    CHECK(counts["places"]["incorrect"] == row.counts[3]);
+    CHECK(counts["clusters"]["correct"] == row.counts[2]);
+    CHECK(counts["clusters"]["incorrect"] == row.counts[3]);
     CHECK(counts["distinct"] == row.counts[2]);
   }
 }
@@ -172,6 +172,6 @@ TEST_CASE("a path through the corridor is one place, at equal and at double spee
     const Json report = Json::parse(eval.out);
     CHECK(report["counts"]["distinct"] == 1);
     CHECK(report["counts"]["pairs"]["correct"] == correct);
-    CHECK(report["recognized_places"][0]["query_range"] == Json({0, last}));
+    CHECK(report["clusters"][0]["query_range"] == Json({0, last}));
   }
 }

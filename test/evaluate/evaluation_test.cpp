@@ -74,7 +74,7 @@ TEST_CASE("without ground truth, a result is shown without evaluation") {
   CHECK(found.judgment.verdicts[0] == Verdict::ignored);
   const Json report = report_json(report_of(found, {}));
   CHECK(report["judged"] == "nothing");
-  CHECK(report["counts"]["places"]["ignored"] == 2);
+  CHECK(report["counts"]["clusters"]["ignored"] == 2);
   CHECK(report["localization"] ==
         Json{{"frames", 4}, {"recognized", 3}, {"recognized_share", 0.75}});
   for (const char* key : {"metrics", "curves", "best_match"}) CHECK_FALSE(report.contains(key));

@@ -11,7 +11,7 @@ using namespace vpr;
 
 namespace {
 
-const Json kReport = Json::parse(R"({"schema": "vpr.report/4", "method": "fastable",
+const Json kReport = Json::parse(R"({"schema": "vpr.report/5", "method": "fastable",
   "counts": {"pairs": {"correct": 52, "incorrect": 16}, "distinct": 3},
   "best_match": {"correct": 48, "rate": 0.25}})");
 
@@ -22,17 +22,17 @@ std::vector<std::string> unmet(const std::string& expected) {
 }  // namespace
 
 TEST_CASE("counts must be equal, or within a stated tolerance") {
-  CHECK(unmet(R"({"schema": "vpr.expected/4", "counts": {"pairs": {"correct": 52}}})").empty());
-  CHECK(unmet(R"({"schema": "vpr.expected/4",
+  CHECK(unmet(R"({"schema": "vpr.expected/5", "counts": {"pairs": {"correct": 52}}})").empty());
+  CHECK(unmet(R"({"schema": "vpr.expected/5",
                   "counts": {"pairs": {"correct": {"value": 50, "tolerance": 2}}}})")
             .empty());
-  CHECK(unmet(R"({"schema": "vpr.expected/4",
+  CHECK(unmet(R"({"schema": "vpr.expected/5",
                   "counts": {"pairs": {"correct": {"value": 49, "tolerance": 2}}}})") ==
         std::vector<std::string>{"counts.pairs.correct: expected 49 +- 2, found 52 (+3)"});
-  CHECK(unmet(R"({"schema": "vpr.expected/4",
+  CHECK(unmet(R"({"schema": "vpr.expected/5",
                   "counts": {"pairs": {"correct": {"value": 51.9, "tolerance": 0.1}}}})")
             .empty());
-  CHECK(unmet(R"({"schema": "vpr.expected/4", "counts": {"distinct": 4},
+  CHECK(unmet(R"({"schema": "vpr.expected/5", "counts": {"distinct": 4},
                   "best_match": {"correct": 47}})") ==
         std::vector<std::string>{"counts.distinct: expected 4, found 3 (-1)",
                                  "best_match.correct: expected 47, found 48 (+1)"});
@@ -74,13 +74,13 @@ TEST_CASE("settings and ground truth of an earlier report are expected as well")
   CHECK(unmet_of(baseline).empty());
   baseline["protocol"]["ground_truth"] = "pairs";
   CHECK(unmet_of(baseline).size() == 1);
-  CHECK(unmet_of(Json::parse(R"({"schema": "vpr.expected/4", "counts": {"distinct": 3},
+  CHECK(unmet_of(Json::parse(R"({"schema": "vpr.expected/5", "counts": {"distinct": 3},
                                  "settings": {"c_l": 11}})"))
             .size() == 1);
 }
 
 TEST_CASE("the name of a score matrix is not expected") {
-  const Json report = Json::parse(R"({"schema": "vpr.report/4", "best_match": {"correct": 3},
+  const Json report = Json::parse(R"({"schema": "vpr.report/5", "best_match": {"correct": 3},
       "settings": {"method": "new", "window": 1}})");
   Json baseline = report;
   baseline["settings"]["method"] = "old";
@@ -89,18 +89,18 @@ TEST_CASE("the name of a score matrix is not expected") {
 
 TEST_CASE("expectations that cannot fail, or cannot be met, are usage errors") {
   const std::string text = GENERATE(
-      "{}", "3", R"({"schema": "vpr.expected/4"})", R"({"schema": "vpr.expected/4", "counts": {}})",
-      R"({"schema": "vpr.expected/4", "count": {"distinct": 3}})",
-      R"({"schema": "vpr.expected/4", "counts": {"hist": {"correct": 3}}})",
-      R"({"schema": "vpr.expected/4", "counts": {"distinct": "3"}})",
-      R"({"schema": "vpr.expected/4", "counts": {"pairs": 3}})",
-      R"({"schema": "vpr.expected/4", "counts": {"distinct": {"value": 3, "tolerance": -1}}})",
-      R"({"schema": "vpr.expected/4", "counts": {"distinct": {"value": 3, "tol": 1}}})",
-      R"({"schema": "vpr.expected/4", "counts": {"distinct": {"min": "3"}}})",
-      R"({"schema": "vpr.expected/4", "counts": {"distinct": {"min": 3, "max": 2}}})",
-      R"({"schema": "vpr.expected/4", "counts": {"distinct": {"min": 3, "value": 3}}})",
-      R"({"schema": "vpr.expected/4", "counts": {"distinct": {"min": 3, "tolerance": 1}}})",
-      R"({"schema": "vpr.result/3", "counts": {"distinct": 3}})", R"({"schema": 3})");
+      "{}", "3", R"({"schema": "vpr.expected/5"})", R"({"schema": "vpr.expected/5", "counts": {}})",
+      R"({"schema": "vpr.expected/5", "count": {"distinct": 3}})",
+      R"({"schema": "vpr.expected/5", "counts": {"hist": {"correct": 3}}})",
+      R"({"schema": "vpr.expected/5", "counts": {"distinct": "3"}})",
+      R"({"schema": "vpr.expected/5", "counts": {"pairs": 3}})",
+      R"({"schema": "vpr.expected/5", "counts": {"distinct": {"value": 3, "tolerance": -1}}})",
+      R"({"schema": "vpr.expected/5", "counts": {"distinct": {"value": 3, "tol": 1}}})",
+      R"({"schema": "vpr.expected/5", "counts": {"distinct": {"min": "3"}}})",
+      R"({"schema": "vpr.expected/5", "counts": {"distinct": {"min": 3, "max": 2}}})",
+      R"({"schema": "vpr.expected/5", "counts": {"distinct": {"min": 3, "value": 3}}})",
+      R"({"schema": "vpr.expected/5", "counts": {"distinct": {"min": 3, "tolerance": 1}}})",
+      R"({"schema": "vpr.result/4", "counts": {"distinct": 3}})", R"({"schema": 3})");
   CHECK(test::error_kind([&] { unmet(text); }) == ErrorKind::usage);
 }
 
@@ -109,15 +109,15 @@ TEST_CASE("a missing rate is met only by a missing rate") {
   const auto unmet_of = [&](const Json& report, const char* expected) {
     return unmet_expectations(check_expectations(report, Json::parse(expected), "e.json")).size();
   };
-  CHECK(unmet_of(none, R"({"schema": "vpr.expected/4", "counts": {"distinct": 0},
+  CHECK(unmet_of(none, R"({"schema": "vpr.expected/5", "counts": {"distinct": 0},
                            "best_match": {"rate": null}})") == 0);
-  CHECK(unmet_of(none, R"({"schema": "vpr.expected/4", "best_match": {"rate": 0.5}})") == 1);
-  CHECK(unmet_of(kReport, R"({"schema": "vpr.expected/4", "best_match": {"rate": null}})") == 1);
+  CHECK(unmet_of(none, R"({"schema": "vpr.expected/5", "best_match": {"rate": 0.5}})") == 1);
+  CHECK(unmet_of(kReport, R"({"schema": "vpr.expected/5", "best_match": {"rate": null}})") == 1);
 }
 
 TEST_CASE("bounds are one-sided or two-sided, and inclusive") {
   const auto unmet_of = [](const std::string& bounds) {
-    return unmet(R"({"schema": "vpr.expected/4", "counts": {"pairs": {"correct": )" + bounds +
+    return unmet(R"({"schema": "vpr.expected/5", "counts": {"pairs": {"correct": )" + bounds +
                  "}}}");
   };
   CHECK(unmet_of(R"({"min": 52})").empty());
@@ -134,12 +134,12 @@ TEST_CASE("bounds are one-sided or two-sided, and inclusive") {
 TEST_CASE("updated values are met, and keep their tolerances and satisfied bounds") {
   Json report = kReport;
   report["settings"] = {{"c_l", 10}};
-  const Json expected = Json::parse(R"({"schema": "vpr.expected/4",
+  const Json expected = Json::parse(R"({"schema": "vpr.expected/5",
       "counts": {"pairs": {"correct": {"value": 40, "tolerance": 2}, "incorrect": {"max": 20}},
                  "distinct": {"min": 4}},
       "best_match": {"correct": 1, "rate": {"min": 0.5, "max": 0.6}}, "settings": {"c_l": 20}})");
   const Json updated = updated_expectations(report, expected, "e.json");
-  CHECK(updated == Json::parse(R"({"schema": "vpr.expected/4",
+  CHECK(updated == Json::parse(R"({"schema": "vpr.expected/5",
       "counts": {"pairs": {"correct": {"value": 52, "tolerance": 2}, "incorrect": {"max": 20}},
                  "distinct": {"min": 3}},
       "best_match": {"correct": 48, "rate": {"min": 0.25, "max": 0.6}}, "settings": {"c_l": 10}})"));

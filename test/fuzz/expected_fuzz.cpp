@@ -10,7 +10,7 @@ namespace {
 /// A report of a score matrix has keys that reports of results do not have, and vice versa.
 const Json& report() {
   static const Json kReport = {
-      {"schema", "vpr.report/4"},
+      {"schema", "vpr.report/5"},
       {"method", "fastable"},
       {"settings", {{"method", "fastable"}, {"c_l", 3}, {"t_r", "auto"}}},
       {"counts",

@@ -41,9 +41,9 @@ std::string unwrapped(std::string text) {
 
 TEST_CASE("a sweep as CSV has one row per cell, with recognitions and places") {
   CHECK(render_table(cells_table({example()}), TableFormat::csv) ==
-        "query,c_l,t_r,scale,pairs_correct,pairs_incorrect,pairs_ignored,pairs_by_place_correct,"
-        "pairs_by_place_incorrect,pairs_by_place_ignored,places_correct,places_mixed,"
-        "places_incorrect,places_ignored,distinct,best_match_correct,best_match_incorrect,"
+        "query,c_l,t_r,scale,pairs_correct,pairs_incorrect,pairs_ignored,pairs_by_cluster_correct,"
+        "pairs_by_cluster_incorrect,pairs_by_cluster_ignored,clusters_correct,clusters_mixed,"
+        "clusters_incorrect,clusters_ignored,distinct,best_match_correct,best_match_incorrect,"
         "frames_with_match,pareto,recommended\n"
         "\"a walk, \"\"quoted\"\"\",5,0.3,relative,4,0,0,4,0,0,1,0,0,0,1,7,1,9,no,yes\n"
         "\"a walk, \"\"quoted\"\"\",5,0.4,relative,6,0,1,6,0,1,1,0,0,0,1,7,1,9,yes,no\n"

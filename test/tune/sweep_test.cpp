@@ -143,8 +143,8 @@ TEST_CASE("intervals of constant counts are the counts") {
   CHECK(found.block == 3);
   CHECK((found.correct_recognitions.low == 10 && found.correct_recognitions.high == 10));
   CHECK((found.incorrect_recognitions.low == 20 && found.incorrect_recognitions.high == 20));
-  CHECK(found.correct_places.high >= 1);
-  CHECK((found.incorrect_places.low == 0 && found.incorrect_places.high == 0));
+  CHECK(found.correct_clusters.high >= 1);
+  CHECK((found.incorrect_clusters.low == 0 && found.incorrect_clusters.high == 0));
   // For single frames, blocks have c_w frames, but at least 8.
   FabmapQuerySettings fabmap;
   result.clusters.reset();
