@@ -99,8 +99,12 @@ class LayoutReader {
     if (layout_.is_table() || (layout_.has_points && width > layout_.columns.size()) ||
         std::ranges::find(layout_.widths, width) != layout_.widths.end())
       return;
-    rows_.fail("has {} columns, but {} ({}) has {}", width, layout_.name, layout_.summary,
-               fmt::join(layout_.widths, ", "));
+    const Layout* detected = open_start(source_.path).layout;
+    rows_.fail("has {} columns, but {} ({}) has {}{}", width, layout_.name, layout_.summary,
+               fmt::join(layout_.widths, ", "),
+               detected == nullptr || detected == &layout_
+                   ? ""
+                   : fmt::format(". Its layout is {}", detected->name));
   }
 
   bool has_time() const { return rows_.has("time") || rows_.has("sec"); }

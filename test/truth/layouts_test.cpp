@@ -332,6 +332,10 @@ TEST_CASE("columns with implausible values are refused") {
   GroundTruthArgument argument = by_positions("p.csv", "p.csv", 1);
   argument.format = "euroc";
   check_refused([&] { read_labels(argument, 1, 1); }, "has 9 columns, but euroc");
+  write_text("rtabmap.txt", "#timestamp x y z qx qy qz qw id\n1583836591.1 1 2 3 0 0 0 1 1\n");
+  argument = by_positions("rtabmap.txt", "rtabmap.txt", 1);
+  argument.format = "tum";
+  check_refused([&] { read_labels(argument, 1, 1); }, "Its layout is rtabmap");
 }
 
 TEST_CASE("numbered vertices and frames have gaps, and keys of GTSAM count in their low bytes") {
