@@ -202,7 +202,7 @@ std::string html_text(const EvalRun& run, const Evaluated& evaluated) {
   const FrameSources sources = find_frames(run.flags, evaluated);
   const RunInfo made = evaluated.stored ? evaluated.stored->context.run : RunInfo{};
   const bool has_references = !made.path("database").empty() && !evaluated.report.has_places();
-  if (made.frame_names.contains("query") && !has_all_frames(sources, has_references))
+  if (made.images.contains("query") && !has_all_frames(sources, has_references))
     warn(run.session.monitor, "the page lacks images: {}", kChanged);
   return evaluation_page(evaluated.evaluation, evaluated.report, run.session.run, run.summary,
                          sources, run.session.monitor);

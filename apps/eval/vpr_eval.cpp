@@ -106,7 +106,7 @@ std::string tuning_command(const Session& session, const EvalFlags& flags,
   const Selection& selection = stored.result.query.selection;
   const Json settings = settings_in_force(stored.result.settings);
   std::error_code error;
-  const bool is_bow = stored.result.places && !stored.context.run.frame_names.contains("query");
+  const bool is_bow = stored.result.places && !stored.context.run.images.contains("query");
   if (settings["loop"] == true || !settings.value("only_sequence", Json()).empty() || is_bow ||
       selection.selected_fps > 0 || !flags.truth.dataset.empty() ||
       !std::filesystem::exists(database, error) ||

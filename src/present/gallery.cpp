@@ -262,10 +262,9 @@ FrameSources recorded_frames(const GroundTruthScope& scope, const StoredResult* 
   if (stored == nullptr) return sources;
   const ResultContext& context = stored->context;
   sources.query = recorded_source(context.run.path("query"), [&](const SequenceSource& source) {
-    const auto images = context.run.frame_names.find("query");
-    const std::string sum = images == context.run.frame_names.end() ? "" : images->second;
-    // of names in the results of earlier versions
-    return images_checksum(source) == sum || names_checksum(source) == sum;
+    const auto images = context.run.images.find("query");
+    const std::string sum = images == context.run.images.end() ? "" : images->second;
+    return images_checksum(source) == sum;
   });
   if (stored->result.places) return sources;
   const SequenceDatabase database = recorded_training(context);

@@ -32,7 +32,7 @@ void visit_fields(Machine& machine, Visitor&& visit) {
   visit("memory_limit", Unless{run.memory_limit, {}});
   visit("command_line", run.command_line);
   visit("paths", run.paths);
-  visit("frame_names", Unless{run.frame_names, {}});
+  visit("images", Unless{run.images, {}});
 }
 
 }  // namespace
@@ -51,7 +51,7 @@ void set_query_path(RunInfo& run, const SequenceArgument& query) {
   if (query.array) return;
   run.paths["query"] = argument_text(query);
   const std::string images = images_checksum(open_sequence({query.path, query.range}));
-  if (!images.empty()) run.frame_names["query"] = images;
+  if (!images.empty()) run.images["query"] = images;
 }
 
 Provenance provenance_of(const RunInfo& run) {

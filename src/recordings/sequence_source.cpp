@@ -351,11 +351,6 @@ std::vector<std::string> file_names(const SequenceSource& source) {
   return names;
 }
 
-std::string names_checksum(const SequenceSource& source) {
-  const std::vector<std::string> names = file_names(source);
-  return names.empty() ? "" : checksum(fmt::format("{}", fmt::join(names, "\n")));
-}
-
 std::string images_checksum(const SequenceSource& source) {
   constexpr size_t kReadFiles = 16;
   constexpr size_t kReadBytes = 1 << 20;  // per file

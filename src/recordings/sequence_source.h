@@ -101,8 +101,6 @@ std::vector<std::string> frame_names(const SequenceArgument& argument);
 
 /// The file names of all frames, without folders; empty for a video or a single array.
 std::vector<std::string> file_names(const SequenceSource& source);
-/// Their checksum; empty without names.
-std::string names_checksum(const SequenceSource& source);
 /// The checksum of the names and sizes of the files of images or of a video, and of the content of
 /// at most 16 of them, which are evenly spaced; empty for descriptors.
 std::string images_checksum(const SequenceSource& source);

@@ -137,7 +137,7 @@ std::string format_summaries() {
   std::string text;
   for (const GroundTruthFormat& format : ground_truth_formats())
     text += fmt::format("  {:<14}{}{}\n", format.name,
-                        format.read == read_trajectories ? "trajectory: " : "", format.summary);
+                        find_layout(format.name) ? "trajectory: " : "", format.summary);
   return text;
 }
 

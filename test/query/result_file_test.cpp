@@ -183,7 +183,7 @@ TEST_CASE("everything about a run is read back") {
   context.run.program = "vpr-query";
   context.run.seed = 7;
   context.run.paths = {{"query", "walk"}};
-  context.run.frame_names = {{"query", "xxh3:1"}};
+  context.run.images = {{"query", "xxh3:1"}};
   context.database_fingerprint = "xxh3:2";
   context.matrix = {4, 5, {{"a", 0}}};
   context.files["matrix"] = {4, "xxh3:4"};
@@ -201,7 +201,7 @@ TEST_CASE("everything about a run is read back") {
   CHECK(read.run.program == "vpr-query");
   CHECK(read.run.seed == 7);
   CHECK(read.run.paths == context.run.paths);
-  CHECK(read.run.frame_names == context.run.frame_names);
+  CHECK(read.run.images == context.run.images);
   CHECK(read.database_fingerprint == "xxh3:2");
   CHECK(read.matrix->sequences.at(0).sequence == "a");
   CHECK(read.files.at("matrix") == FileEntry{4, "xxh3:4"});
