@@ -34,7 +34,9 @@ BUILDINGS = {"building 1": (21, 0.3), "building 2": (22, 0.8), "building 3": (23
 ON_MAP = ["same", "slow", "fast", "varying", "detour", "carried"]
 OFF_MAP = ["back", "upstairs", "elsewhere"]
 MARGINS = [10, 12, 14, 16, 18, 20]  # in deviations
-FOREIGN, REVERSED, LAPS = "off the map", "reversed", "laps"
+FOREIGN, REVERSED, LAPS, RATES = "off the map", "reversed", "laps", "frame rates"
+STEPS = {"all frames": 1, "every 2nd": 2, "3rd": 3, "4th": 4, "6th": 6}
+DENSE_FPS = 60  # of the rendered walks whose frame rate is reduced
 ONE_LAP = {"garage": 361, "flat": 273, "rendered ring": None}  # frames of the first lap; None: a walk of its own
 
 
@@ -285,6 +287,32 @@ def lap_cases():
             for name, (one, every, query) in cases.items()}
 
 
+def dense_walks():
+    """Rendered walks at a high frame rate."""
+    folder = options.work / "dense"
+    if not folder.exists():
+        world = json.loads((ROOT / "configs/worlds/speeds.json").read_text())
+        world.update(fps=DENSE_FPS, image_width=160, image_height=120)
+        world["walks"] = [walk for walk in world["walks"] if walk["name"] in ("trained", "same", "varying")]
+        file = folder.with_suffix(".json")
+        file.write_text(json.dumps(world))
+        run("vpr-synth", file, "-o", folder)
+    return folder
+
+
+def rate_cases():
+    """Recordings of high frame rates, of which both sides have every n-th frame, by title."""
+    dense = dense_walks()
+    walks = {f"rendered walk, {name}": (dense / "trained", dense / name) for name in ("same", "varying")}
+    for name, other in zip(tracks(), reversed(tracks())):
+        folder = options.data / "tracks"
+        walks[f"{name}, `b` in `a`"] = (folder / name / "a", folder / name / "b")
+        walks[f"{other} in {name}, incorrect"] = (folder / name / "a", folder / other / "b")
+    return {title: [Case(database(f"rate-{train.parent.name}-{step}", f"{train}@::{step}"), f"{query}@::{step}",
+                         different_places()) for step in STEPS.values()]
+            for title, (train, query) in walks.items()}
+
+
 def table(head, rows):
     lines = ["||" + "|".join(head) + "|", "|---|" + "---:|" * len(head)]
     return "\n".join(lines + [f"|{title}|" + "|".join(cells) + "|" for title, *cells in rows]) + "\n"
@@ -340,7 +368,8 @@ def measure(pool):
             add(TOWER, case, "windows", column)
     for name, walks in rendered.items():
         jobs += [(name, method, walk, walks[walk], None, 1) for walk in walks for method in METHODS]
-    for column, sets in ((FOREIGN, foreign_cases()), (REVERSED, reversed_cases()), (LAPS, lap_cases())):
+    for column, sets in ((FOREIGN, foreign_cases()), (REVERSED, reversed_cases()), (LAPS, lap_cases()),
+                         (RATES, rate_cases())):
         for name, cases in sets.items():
             jobs += [(name, "filter", column, case, "reversed" if column == REVERSED else None, 1)
                      for case in cases]
@@ -396,6 +425,9 @@ def silence_tables(found):
     yield "laps", table(["frames", "one lap trained", "all laps trained"],
                         [[name, str(one.frames), str(len(one.query)), str(len(every.query))]
                          for name, (one, every) in results(LAPS).items()])
+    yield "frame rates", table(
+        [*STEPS], [[name, *(f"{100 * len(one.query) / one.frames:.0f}" for one in each)]
+                   for name, each in results(RATES).items()])
 
     def row(title, names, column, index=1):
         each = [one for name in names for one in found[(name, "filter", column)]]

@@ -211,6 +211,26 @@ void find_values(FilterState& state) {
   });
 }
 
+// The mean distance of consecutive keyframes; nullopt without any. Every frame is a keyframe at
+// least_change 0.
+std::optional<double> mean_step(const FrameDistances& distances, double least_change) {
+  uint64_t sum = 0;
+  size_t steps = 0;
+  for (const FrameStretch& run : distances.train_runs) {
+    const DescriptorRows& rows = distances.train[run.sequence].rows;
+    size_t last = run.first_in_sequence;
+    for (size_t k = 1; k < run.count; ++k) {
+      const uint32_t distance = frame_distance(rows, last, run.first_in_sequence + k);
+      if (distance < least_change) continue;
+      last = run.first_in_sequence + k;
+      sum += distance;
+      ++steps;
+    }
+  }
+  if (sum == 0) return std::nullopt;
+  return static_cast<double>(sum) / static_cast<double>(steps);
+}
+
 // Every run begins with a keyframe; a frame that differs by at least least_change from the last
 // keyframe of its run is a keyframe.
 FilterCells find_cells(const FrameDistances& distances, double least_change) {
@@ -243,6 +263,26 @@ void check_filter(const FilterSettings& settings) {
   require_range("filter.keyframe_change", settings.keyframe_change, 0, 10);
   require_range("filter.near_keyframes", static_cast<double>(settings.near_keyframes), 0, 1e6);
   require_range("filter.path_keyframes", static_cast<double>(settings.path_keyframes), 0, 1000);
+}
+
+FilterSettings adapted_settings(const FrameDistances& distances, const FilterSettings& settings,
+                                double typical_distance) {
+  constexpr double kSparse = 0.35;  // mean changes per frame, in typical distances
+  constexpr double kDense = 0.2;
+  constexpr double kMostChange = 1.0 / 3;  // additional share of keyframe_change
+  constexpr double kNearChange = 0.4;      // typical distances per near keyframe of the settings
+  const auto change = mean_step(distances, 0);
+  if (!change) return settings;
+  FilterSettings adapted = settings;
+  const double dense =
+      std::clamp((kSparse - *change / typical_distance) / (kSparse - kDense), 0.0, 1.0);
+  adapted.keyframe_change *= 1 + kMostChange * dense;
+  const auto step = mean_step(distances, adapted.keyframe_change * typical_distance);
+  if (!step) return adapted;
+  const auto near = static_cast<double>(settings.near_keyframes);
+  const double wanted = near * kNearChange * typical_distance / *step;
+  adapted.near_keyframes = static_cast<uint64_t>(std::clamp(wanted, near, 1.5 * near));
+  return adapted;
 }
 
 FilterState start_filter(const FrameDistances& distances, const FilterSettings& settings,

@@ -130,6 +130,15 @@ inline constexpr uint32_t kNoValue = std::numeric_limits<uint32_t>::max();
 /// The value of a path that begins: evidence 0.
 inline constexpr uint32_t kNewPathValue = kScoreBias;
 
+/// The settings for the frame rate of the training sequences: the more alike consecutive frames
+/// are, the farther apart are keyframes, and the more of them are near the best one. With frames
+/// that differ on average by at least 0.35 of `typical_distance`, the settings stay as they are;
+/// from there to 0.2, keyframe_change increases by up to a third. Then near_keyframes increases, by
+/// up to half, until that many consecutive keyframes change by a total of 0.4 typical distances per
+/// near_keyframes of `settings`. Unchanged without consecutive frames.
+FilterSettings adapted_settings(const FrameDistances& distances, const FilterSettings& settings,
+                                double typical_distance);
+
 /// The state before the first keyframe: no path. Throws Error(usage) for settings out of range.
 /// `least_change`: frame distance between keyframes.
 FilterState start_filter(const FrameDistances& distances, const FilterSettings& settings,

@@ -103,10 +103,12 @@ PathReport full_report_at(FilteredQuery& query, const FrameDistances& distances,
 FilteredQuery start_filtered(const FrameDistances& distances, const MatchSettings& settings) {
   assert(distances.is_in_order());
   FilteredQuery query;
-  query.least_change = settings.filter.keyframe_change * distances.typical_distance;
-  query.filter = start_filter(distances, settings.filter, query.least_change);
+  const FilterSettings filter =
+      adapted_settings(distances, settings.filter, distances.typical_distance);
+  query.least_change = filter.keyframe_change * distances.typical_distance;
+  query.filter = start_filter(distances, filter, query.least_change);
   apply_passes(query.filter.cells, settings.passes);
-  query.track.settings = settings.filter;
+  query.track.settings = filter;
   query.track.overlapping = settings.overlapping_sequences;
   query.track.typical_distance = distances.typical_distance;
   query.reversed = query.track;

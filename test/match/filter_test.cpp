@@ -192,6 +192,35 @@ TEST_CASE("a restarted filter has forgotten all keyframes") {
   CHECK(state.values == values);
 }
 
+TEST_CASE("keyframes are farther apart, and more of them near, at high frame rates") {
+  test::Example example;
+  LdbCode code = {};
+  for (size_t frame = 0; frame < 60; ++frame) {  // frames k apart differ by 10 k bits
+    example.train.resize(1);
+    example.train[0].push_back(code);
+    for (size_t bit = 10 * frame; bit < 10 * frame + 10; ++bit)
+      code[bit / 8] = static_cast<uint8_t>(code[bit / 8] | (1U << bit % 8));
+  }
+  example.train_unreadable.resize(1);
+  const std::vector<DescribedFrames> spans = example.spans();
+  const FrameDistances distances = frame_distances(spans, {spans[0].rows.first(0), {}});
+  const FilterSettings settings;
+  const auto adapted = [&](double typical) {
+    return adapted_settings(distances, settings, typical);
+  };
+  CHECK(adapted(20).keyframe_change == settings.keyframe_change);  // change per frame: 0.5
+  CHECK(adapted(20).near_keyframes == 10);
+  CHECK(adapted(30).keyframe_change == Approx(0.15 * (1 + 1.0 / 27)));  // 0.33
+  CHECK(adapted(30).near_keyframes == 12);            // of 10 bits each: 4 typical distances
+  CHECK(adapted(90).keyframe_change == Approx(0.2));  // 0.11: every second frame is a keyframe
+  CHECK(adapted(90).near_keyframes == 15);            // instead of 18
+  CHECK(adapted(90).path_keyframes == settings.path_keyframes);
+  example.train[0].assign(60, code);  // a standing camera
+  const std::vector<DescribedFrames> still = example.spans();
+  const FrameDistances none = frame_distances(still, {still[0].rows.first(0), {}});
+  CHECK(adapted_settings(none, settings, 100).keyframe_change == settings.keyframe_change);
+}
+
 TEST_CASE("filter settings out of range are refused") {
   const auto refused = [](auto FilterSettings::*key, auto value) {
     FilterSettings settings;
