@@ -247,6 +247,9 @@ std::string summary_text(const Result& result, const QueryOptions& options,
   text += ranges_text(result, recognized_ranges(result),
                       session.options.verbose ? SIZE_MAX : kRanges, "shorter range");
   text += fmt::format("Settings: {}\n", settings_text(result));
+  if (result.path && result.path->keyframes)
+    text += fmt::format("Keyframes: {} of {}\n", *result.path->keyframes,
+                        counted(result.query.frames, "frame"));
   if (result.path && result.path->reversed_frames)
     text += fmt::format("Chance: {} match the training sequences played backward\n",
                         counted(*result.path->reversed_frames, "frame"));

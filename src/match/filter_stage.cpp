@@ -86,6 +86,7 @@ PathReport full_report_at(FilteredQuery& query, const FrameDistances& distances,
   const PathTrack& track = query.track;
   PathReport report = report_at(track, frame);
   report.rate = recent_rate(track, query.filter.cells);
+  report.is_keyframe = is_new;
   const size_t open = open_keyframes(track);
   const size_t keyframes = track.recent.size();
   const size_t first = keyframes - std::min(path_size(track), is_new ? open + 1 : 1);

@@ -39,6 +39,7 @@ struct PathReport {
   std::optional<double> rate = {};
   /// Matches of the last frames of the path, up to this one; they replace those of earlier reports.
   std::span<const Cell> matches = {};
+  bool is_keyframe = false;  ///< the filter advanced at this frame
 };
 
 /// Adjacent cells of one row: scores[x] = D(query_window, train_window + x), the sum of the frame

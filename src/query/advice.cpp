@@ -13,7 +13,8 @@ namespace vpr {
 
 namespace {
 
-constexpr size_t kFewest = 4;     // one recognized frame in four is enough
+constexpr size_t kFewest = 4;     // one recognized frame in four tells the cause
+constexpr size_t kEnough = 2;     // one recognized frame in two needs no advice
 constexpr size_t kSlowStart = 4;  // paths of keyframes before the first decision, at most
 
 // The mean speed of the longest path, in time if the rates of both sequences are known; nullopt
@@ -66,25 +67,62 @@ std::string recognized_text(const Result& result) {
   return fmt::format("{} of {}", recognized_windows(result), counted(result.query.frames, "frame"));
 }
 
+// Whether frames are recognized so much better with a selection of the frames that the user should
+// select them.
+bool is_better(const Result& found, const Result& before) {
+  constexpr double kBetter = 1.5;
+  const auto share = [](const Result& result) {
+    return static_cast<double>(recognized_windows(result)) /
+           static_cast<double>(std::max<size_t>(result.query.frames, 1));
+  };
+  return share(found) >= std::max(1.0 / kFewest, kBetter * share(before));
+}
+
+// A sentence if more frames are recognized with every second to tenth frame of both sides; empty if
+// not.
+std::string dense_advice(const SequenceDatabase& database, const DescriptorSet& query,
+                         const SequenceQuerySettings& settings, const Result& before,
+                         const QueryResources& resources, const Monitor& monitor) {
+  const Monitor silent = {{}, {}, monitor.stop};
+  std::string advice;
+  Result best = before;
+  for (const auto& [step, ordinal] :
+       {std::pair(2, "second"), std::pair(3, "third"), std::pair(4, "fourth"),
+        std::pair(6, "sixth"), std::pair(10, "tenth")}) {
+    const Selection some = at_speed(std::to_string(step), query.rows().size(), 1);
+    Result found = filtered(thinned(database, step, silent), selected(query, some), settings,
+                            resources, monitor);
+    const bool is_largest = recognized_windows(found) * best.query.frames >
+                            recognized_windows(best) * found.query.frames;
+    if (!is_largest || !is_better(found, before)) continue;
+    advice = fmt::format(
+        "With every {} frame of both sides, {} are recognized: the frames between them say little "
+        "new. Train with PATH@::{}, and query PATH@::{}.",
+        ordinal, recognized_text(found), step, step);
+    best = std::move(found);
+  }
+  return advice;
+}
+
 // A sentence if enough frames are recognized with every second or third frame of one side; empty if
 // not.
 std::string sparse_advice(const SequenceDatabase& database, const DescriptorSet& query,
-                          const SequenceQuerySettings& settings, const QueryResources& resources,
-                          const Monitor& monitor) {
+                          const SequenceQuerySettings& settings, const Result& before,
+                          const QueryResources& resources, const Monitor& monitor) {
   const Monitor silent = {{}, {}, monitor.stop};
   for (const auto& [step, ordinal] : {std::pair(2, "second"), std::pair(3, "third")}) {
     const Selection some = at_speed(std::to_string(step), query.rows().size(), 1);
     const bool is_flag_free = query.sequence.selection.speed.empty();
     if (const Result found =
             filtered(database, selected(query, some), settings, resources, monitor);
-        !needs_advice(found))
+        is_better(found, before))
       return fmt::format(
           "With every {} query frame{}, {} are recognized: the query is slow for the training "
           "sequence, or the training sequence has too few frames per second.",
           ordinal, is_flag_free ? fmt::format(" (--speed {})", step) : "", recognized_text(found));
     if (const Result found =
             filtered(thinned(database, step, silent), query, settings, resources, monitor);
-        !needs_advice(found))
+        is_better(found, before))
       return fmt::format(
           "With every {} training frame, {} are recognized: the query is fast for the training "
           "sequence. Train with PATH@::{}.",
@@ -169,20 +207,24 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
           "The query walked in the opposite direction: with reversed training sequences, {} of {} "
           "are recognized. Train this direction in a database of its own.",
           reversed, counted(frames, "frame"));
-    if (const std::string sparse = sparse_advice(database, query, settings, resources, monitor);
-        !sparse.empty())
-      return sparse;
-    const size_t fewest = std::min(keyframes, trained);
-    return fmt::format(
-        "{} matches: not forward, not backward, not at half or twice the speed. {} may show "
-        "another place{}.",
-        forward.recognitions.empty() ? "Nothing" : "Nothing else",
-        forward.recognitions.empty() ? "The query" : "The other frames",
-        fewest < kSlowStart * needed
-            ? fmt::format(", or the {} keyframes of the {} are too few: a decision needs up to {}",
-                          fewest, keyframes <= trained ? "query" : "training sequence",
-                          kSlowStart * needed)
-            : "");
+    for (const auto& advice : {dense_advice, sparse_advice})
+      if (std::string text = advice(database, query, settings, forward, resources, monitor);
+          !text.empty())
+        return text;
+    if (kFewest * recognized_windows(forward) < frames) {
+      const size_t fewest = std::min(keyframes, trained);
+      return fmt::format(
+          "{} matches: not forward, not backward, not at half or twice the speed, not with fewer "
+          "frames of both sides. {} may show another place{}.",
+          forward.recognitions.empty() ? "Nothing" : "Nothing else",
+          forward.recognitions.empty() ? "The query" : "The other frames",
+          fewest < kSlowStart * needed
+              ? fmt::format(
+                    ", or the {} keyframes of the {} are too few: a decision needs up to {}",
+                    fewest, keyframes <= trained ? "query" : "training sequence",
+                    kSlowStart * needed)
+              : "");
+    }
   }
   const auto speed = recognized_speed(forward);
   const bool is_same_speed = !speed || (*speed <= kSameSpeed && *speed >= 1 / kSameSpeed);
@@ -192,7 +234,7 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
 }
 
 bool needs_advice(const Result& result) {
-  return result.path ? kFewest * recognized_windows(result) < result.query.frames
+  return result.path ? kEnough * recognized_windows(result) < result.query.frames
                      : result.recognitions.empty();
 }
 

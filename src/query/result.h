@@ -62,6 +62,7 @@ struct ResultPath {
   /// Query frames that would be recognized if the training sequences were in reverse order.
   /// Nullopt: not counted.
   std::optional<size_t> reversed_frames = {};
+  std::optional<size_t> keyframes = {};  ///< query keyframes of the filter; nullopt: not counted
 
   /// Unknown values for this number of query frames.
   explicit ResultPath(size_t frames = 0) : rates(frames), numbers(frames, 0), decided(frames) {}

@@ -178,10 +178,13 @@ Values path_rows(const Result& result) {
 void read_path(Result& result, std::span<const double> values, const Refuse& refuse) {
   const size_t frames = result.query.frames;
   require_rows(values.size(), 3 * frames, refuse);
-  const std::optional<size_t> reversed = result.path ? result.path->reversed_frames : std::nullopt;
-  if (reversed.value_or(0) > frames) refuse("has more reversed frames than the query");
+  const ResultPath counts = std::move(result.path).value_or(ResultPath{});
+  if (counts.reversed_frames.value_or(0) > frames)
+    refuse("has more reversed frames than the query");
+  if (counts.keyframes.value_or(0) > frames) refuse("has more keyframes than query frames");
   ResultPath& path = result.path.emplace(frames);
-  path.reversed_frames = reversed;
+  path.reversed_frames = counts.reversed_frames;
+  path.keyframes = counts.keyframes;
   const auto is_whole = [](double value, size_t least, size_t most) {
     return value >= static_cast<double>(least) && value <= static_cast<double>(most) &&
            value == std::floor(value);

@@ -138,16 +138,20 @@ void visit_fields(ResultContent& content, Visitor&& visit) {
           }});
   visit("totals", NestedObject{[&](auto&& inner) {
           inner("recognitions", Derived{result.recognitions.size()});
-          const auto write = [&](Json& json, const std::string& key) {
-            if (result.path && result.path->reversed_frames)
-              json[key] = *result.path->reversed_frames;
+          const auto of_path = [&](const char* name, std::optional<size_t> ResultPath::*count) {
+            const auto write = [&](Json& json, const std::string& key) {
+              if (result.path && (*result.path).*count) json[key] = *((*result.path).*count);
+            };
+            inner(name, CustomField{write, [&](const Fields& fields, const std::string& key) {
+                                      std::optional<size_t> frames;
+                                      fields.read_if_set(key, frames);
+                                      if (!frames) return;
+                                      if (!result.path) result.path.emplace();
+                                      (*result.path).*count = frames;
+                                    }});
           };
-          inner("reversed_frames",
-                CustomField{write, [&](const Fields& fields, const std::string& key) {
-                              std::optional<size_t> frames;
-                              fields.read_if_set(key, frames);
-                              if (frames) result.path.emplace().reversed_frames = frames;
-                            }});
+          of_path("filter_keyframes", &ResultPath::keyframes);
+          of_path("reversed_frames", &ResultPath::reversed_frames);
           if (result.clusters) inner("clusters", Derived{result.clusters->all.size()});
         }});
   visit("recall", IfSet{result.recall});

@@ -121,6 +121,7 @@ void PathRows::decide(const std::vector<Cell>& recognized, size_t frame) {
 
 Result PathRows::result() {
   if (!steps_.empty() && steps_.back().path != 0) decide(decisions_.finish(), steps_.size() - 1);
+  path_.keyframes = static_cast<size_t>(std::ranges::count_if(steps_, &PathReport::is_keyframe));
   const std::vector<uint32_t> settled = settled_margins(std::move(steps_));
   std::vector<std::optional<uint32_t>> margins(settled.size());
   for (size_t frame = 0; frame < margins.size(); ++frame)

@@ -80,10 +80,11 @@ TEST_CASE("the filter distinguishes another speed from another place") {
   ensure_statistics(database, {});
   const test::Example other = test::make_example({1}, 100, 4);
   const DescriptorSet elsewhere = test::make_query(other.query);
-  CHECK(filter_advice(database, elsewhere, {}, {}, {}) ==
-        "Nothing matches: not forward, not backward, not at half or twice the speed. The query may "
-        "show another place, or the 28 keyframes of the query are too few: a decision needs up to "
-        "64.");
+  CHECK(
+      filter_advice(database, elsewhere, {}, {}, {}) ==
+      "Nothing matches: not forward, not backward, not at half or twice the speed, not with fewer "
+      "frames of both sides. The query may show another place, or the 28 keyframes of the query "
+      "are too few: a decision needs up to 64.");
   CHECK(has(finding(walk, 0, 16), "The query has 10 keyframes"));
   CHECK(has(filter_advice(database, test::make_query(walk.train[0]), {Filter{64}}, {}, {}),
             "With default settings (--method filter, margin 14), 1"));

@@ -81,12 +81,20 @@ TEST_CASE("the filter's path is read back, and every recognition needs a frame o
   result.path->numbers = {1, 1, 1, 1, 0};
   result.path->rates = {{}, 1, 1.5, 2, {}};
   result.path->decided = {{}, 3, 4, {}, {}};  // recognitions end at frames 1 and 2
+  result.path->reversed_frames = 2;
+  result.path->keyframes = 4;
   cluster(result);
   write("r.json", result, Existing::refuse);
   const ResultPath read = read_result("r.json").result.path.value();
   CHECK(read.rates == result.path->rates);
   CHECK(read.numbers == result.path->numbers);
   CHECK(read.decided == result.path->decided);
+  CHECK(read.reversed_frames == 2);
+  CHECK(read.keyframes == 4);
+  result.path->keyframes = 6;
+  write("r.json", result, Existing::replace);
+  CHECK(test::error_kind([&] { read_result("r.json"); }) == ErrorKind::data);
+  result.path->keyframes = 4;
   for (const std::optional<uint32_t> wrong : {std::optional<uint32_t>{}, {1}, {5}, {6}}) {
     result.path->decided[2] = wrong;
     write("r.json", result, Existing::replace);
