@@ -68,6 +68,8 @@ struct EvalFlags {
   bool update = false;
   std::string map_with;
   std::optional<uint64_t> top_k;
+  std::string query_name;  ///< of scores
+  std::string data_set;
   std::vector<std::string> outputs;  ///< paths by eval_outputs(); empty: not given
 
   EvalFlags();

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <memory>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -21,34 +22,22 @@ struct CompareInputs {
   std::vector<std::string> reports;
   TruthSource truth;  ///< of results
   std::vector<std::string> names;
-  uint64_t block = 0;  ///< 0: chosen from the windows
-  bool allow_different = false;
-  bool only_common = false;
+  ComparisonSettings settings;
   std::string html;
   std::string plots;
   TableFormat format = TableFormat::text;
 };
 
-void warn_about_queries(const Monitor& monitor, const std::vector<std::string>& paths,
-                        const std::vector<Report>& reports) {
-  for (size_t r = 1; r < reports.size(); ++r) {
-    const bool is_unnamed = reports[0].query == kUnnamedQuery || reports[r].query == kUnnamedQuery;
-    const bool has_same_truth =
-        reports[r].provenance.ground_truth == reports[0].provenance.ground_truth;
-    if (reports[r].query != reports[0].query && !is_unnamed && !has_same_truth)
-      warn(monitor, "{} evaluates the query {}, but {} evaluates {}", paths[0], reports[0].query,
-           paths[r], reports[r].query);
-  }
-}
-
 void check_ground_truths(const Monitor& monitor, const CompareInputs& inputs,
-                         const std::vector<Report>& reports) {
+                         const ComparisonReport& comparison) {
+  const auto& [reports, paths] = std::tie(comparison.reports, comparison.paths);
+  if (reports.size() < 2) return;
   size_t other = 1;  // the first report with another ground truth
   const auto& first = reports[0].provenance.ground_truth;
   while (other + 1 < reports.size() && reports[other].provenance.ground_truth == first) ++other;
   const std::string words =
-      fmt::format("\"{}\" in {}, \"{}\" in {}", reports[0].protocol.ground_truth, inputs.reports[0],
-                  reports[other].protocol.ground_truth, inputs.reports[other]);
+      fmt::format("\"{}\" in {}, \"{}\" in {}", reports[0].protocol.ground_truth, paths[0],
+                  reports[other].protocol.ground_truth, paths[other]);
   switch (compare_ground_truths(reports)) {
     case GroundTruths::same:
       return;
@@ -59,10 +48,11 @@ void check_ground_truths(const Monitor& monitor, const CompareInputs& inputs,
            words);
       return;
     case GroundTruths::different:
-      if (!inputs.allow_different)
+      if (!inputs.settings.omit_disputed)
         throw Error(ErrorKind::data,
                     "the reports have different ground truths: {}. Evaluate all results with one "
-                    "of them, or add --allow-different",
+                    "of them, name different data sets with --data-set of vpr-eval, or add "
+                    "--allow-different",
                     words);
       warn(monitor,
            "the ground truths are different, and frames with a match in only some of them are "
@@ -87,6 +77,26 @@ Report find_report(Session& session, const std::string& path, const TruthSource&
   return evaluate(session, flags, {.result = path}).report;
 }
 
+// Columns of recall@K that no table has, because reports lack the ranks.
+void warn_about_ranks(const Monitor& monitor, const std::vector<size_t>& recall_at,
+                      const std::vector<ComparisonReport>& comparisons) {
+  std::vector<size_t> unknown;
+  for (const size_t k : recall_at) {
+    const auto has_value = [&](const Report& report) {
+      return value_of(report, metric_at("recall_at", k)).has_value();
+    };
+    if (std::ranges::none_of(comparisons, [&](const ComparisonReport& one) {
+          return std::ranges::any_of(one.reports, has_value);
+        }))
+      unknown.push_back(k);
+  }
+  if (!unknown.empty())
+    warn(monitor,
+         "recall@K is unknown for K = {}: the reports have shorter lists, or only best matches. "
+         "Evaluate results with --matrix",
+         fmt::join(unknown, ", "));
+}
+
 void claim_outputs(const Session& session, const CompareInputs& inputs) {
   if (!inputs.names.empty() && inputs.names.size() != inputs.reports.size())
     throw Error(ErrorKind::usage,
@@ -96,31 +106,37 @@ void claim_outputs(const Session& session, const CompareInputs& inputs) {
 }
 
 void run_compare(Session& session, const CompareInputs& inputs) {
+  constexpr double kMostRank = 1e7;
+  for (const size_t k : inputs.settings.recall_at)
+    require_range("recall_at", static_cast<double>(k), 1, kMostRank);
   claim_outputs(session, inputs);
   const Stopwatch watch;
-  ComparisonReport comparison;
-  for (const std::string& path : inputs.reports)
-    comparison.reports.push_back(find_report(session, path, inputs.truth));
-  for (size_t r = 0; r < inputs.names.size(); ++r) comparison.reports[r].name = inputs.names[r];
-  name_rows(comparison.reports, inputs.reports);
-  warn_about_queries(session.monitor, inputs.reports, comparison.reports);
-  check_ground_truths(session.monitor, inputs, comparison.reports);
-  comparison.settings =
-      comparison_settings(comparison.reports, inputs.block, session.options.process.seed,
-                          inputs.only_common, inputs.allow_different);
-  compare_reports(comparison, session.monitor);
-  comparison.made_by = provenance_of(session.run);
-  Json json = comparison_json(comparison);
+  std::vector<Report> reports;
+  for (size_t r = 0; r < inputs.reports.size(); ++r) {
+    reports.push_back(find_report(session, inputs.reports[r], inputs.truth));
+    if (!inputs.names.empty()) reports.back().name = inputs.names[r];
+  }
+  std::vector<ComparisonReport> comparisons = by_data_set(std::move(reports), inputs.reports);
+  for (ComparisonReport& comparison : comparisons) {
+    check_ground_truths(session.monitor, inputs, comparison);
+    comparison.settings = inputs.settings;
+    comparison.settings.seed = session.options.process.seed;
+    compare_reports(comparison, session.monitor);
+    comparison.made_by = provenance_of(session.run);
+  }
+  warn_about_ranks(session.monitor, inputs.settings.recall_at, comparisons);
+  Json json = comparisons_json(comparisons);
   RunInfo info = session.run;
   for (size_t r = 0; r < inputs.reports.size(); ++r)
     info.paths[fmt::format("report_{}", r + 1)] = inputs.reports[r];
   add_run(json, info, {{"compare", watch.elapsed_s()}});
   session.write_output(json);
-  if (!inputs.html.empty()) session.outputs.file(inputs.html).write(comparison_page(comparison));
+  if (!inputs.html.empty()) session.outputs.file(inputs.html).write(comparison_page(comparisons));
   if (!inputs.plots.empty())
-    draw_comparison(comparison, session.outputs.folder(inputs.plots, is_marked_folder).temporary());
-  session.print_result(output_text(session, inputs.format, comparison_text(comparison),
-                                   comparison_tables(comparison, inputs.format)),
+    draw_comparison(comparisons,
+                    session.outputs.folder(inputs.plots, is_marked_folder).temporary());
+  session.print_result(output_text(session, inputs.format, comparison_text(comparisons),
+                                   comparison_tables(comparisons, inputs.format)),
                        json);
 }
 
@@ -129,16 +145,19 @@ void run_compare(Session& session, const CompareInputs& inputs) {
 void add_compare(Program& program) {
   const auto inputs = std::make_shared<CompareInputs>();
   const Command command = program.add_command(
-      "compare", "Compare reports or results of the same queries.",
+      "compare", "Compare methods by their reports or results, on one or several data sets.",
       "  vpr-eval compare result.json windows.json --ground-truth pairs.csv\n"
       "  vpr-eval compare a.json b.json --name ours --name theirs --format latex\n"
+      "  vpr-eval compare */hog.json */gist.json --recall-at 1,5,10 --format latex\n"
       "  vpr-eval compare a.json b.json c.json --html compared.html --plot plots\n"
       "  vpr-eval compare a.json b.json c.json --block 40 --json > comparison.json",
       [inputs](Session& session) { run_compare(session, *inputs); });
   command
-      .add_option("REPORT", inputs->reports,
-                  "reports of vpr-eval, or results of vpr-query with a ground truth; the first one "
-                  "is the baseline of the others")
+      .add_option(
+          "REPORT", inputs->reports,
+          "reports of vpr-eval, or results of vpr-query with a ground truth: a row per method, "
+          "a group of columns per data set; the first report of a data set is the baseline "
+          "of the others")
       .required()
       .expected(2, 1000);
   add_truth_flags(command, inputs->truth);
@@ -151,15 +170,19 @@ void add_compare(Program& program) {
   command.add_option("--plot", inputs->plots,
                      "folder for curves and paths of all reports, as SVG and PNG", kEssentialGroup,
                      "FOLDER");
-  add_setting(command, "--block", inputs->block,
+  add_setting(command, "--block", inputs->settings.block,
               "consecutive frames that are resampled together, since neighbors depend on each "
-              "other (default: the longest window, at least 10)",
+              "other (default: from the autocorrelation of correct best matches)",
               kMoreGroup);
-  command.add_flag("--common", inputs->only_common,
+  command
+      .add_option("--recall-at", inputs->settings.recall_at,
+                  "K of recall@K in tables (default: those of the reports)", kMoreGroup, "K")
+      .comma_separated();
+  command.add_flag("--common", inputs->settings.only_common,
                    "compare only frames for which every report has a best match that is correct or "
                    "incorrect; all numbers are then over these frames",
                    kMoreGroup);
-  command.add_flag("--allow-different", inputs->allow_different,
+  command.add_flag("--allow-different", inputs->settings.omit_disputed,
                    "compare reports with different ground truths; the output states them",
                    kMoreGroup);
   add_format_flag(command, inputs->format).group(kMoreGroup);

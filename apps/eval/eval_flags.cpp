@@ -59,6 +59,9 @@ void add_file_flags(const Command& command, EvalFlags& flags) {
                    "name in tables and comparisons (default: the name of the file); repeat it for "
                    "several results, in their order",
                    kFileGroup);
+  command.add_option("--data-set", flags.data_set,
+                     "name of the data set, for tables of several (default: the query)", kFileGroup,
+                     "NAME");
   add_format_flag(command, flags.format).group(kFileGroup);
 }
 
@@ -200,6 +203,10 @@ void add_matrix_flags(Program& program, const Command& command, EvalFlags& flags
                  "simulated speed of the query (below), with --seed and --query-frames")
       .group(rows);
   add_evaluation_flags(program, command, flags, true);
+  command.add_option("--query-name", flags.query_name,
+                     "name of the query in tables (default: of --query, or of the file of "
+                     "--query-npy)",
+                     kFileGroup, "NAME");
   command
       .add_option("--recall-at", flags.by.recall_at, "K of recall@K (default: 1,5,10,20)",
                   kMetricGroup, "K")

@@ -155,11 +155,15 @@ ScoreSettings score_settings(const EvalFlags& flags, const EvalRow& row, const S
   settings.format.is_similarity = matrix.kind == ScoreOrder::similarity;
   if (!scores.speed.empty())
     settings.query.selection = at_speed(scores.speed, *scores.query_frames, seed);
-  if (!flags.truth.dataset.empty())
+  if (!flags.query_name.empty())
+    settings.query.name = flags.query_name;
+  else if (!flags.truth.dataset.empty())
     settings.query.name =
         select_query(read_dataset(flags.truth.dataset), flags.query).sequence.name;
   else if (flags.query)
     settings.query.name = sequence_names({parse_sequence_argument(*flags.query)}).front();
+  else if (!scores.query_npy.empty())
+    settings.query.name = parse_sequence_argument(scores.query_npy).path.stem().string();
   else
     settings.query.name = kUnnamedQuery;
   return settings;
@@ -234,6 +238,7 @@ Evaluated evaluate(Session& session, const EvalFlags& flags, const EvalRow& row)
                    session.monitor);
   }
   if (row.is_named) evaluation.name = row.name;
+  if (!flags.data_set.empty()) evaluation.data_set = flags.data_set;
   evaluated.report = report_of(evaluation, session.run, session.monitor);
   evaluated.report.row_name = row.name;
   return evaluated;

@@ -44,8 +44,8 @@ Json read_json(const std::filesystem::path& path, ErrorKind kind) {
 }
 
 std::string schema_name(std::string_view kind) {
-  constexpr std::array<std::string_view, 6> kOfReports = {"report",   "reports", "comparison",
-                                                          "expected", "sweep",   "tuning"};
+  constexpr std::array<std::string_view, 7> kOfReports = {
+      "report", "reports", "comparison", "comparisons", "expected", "sweep", "tuning"};
   const bool is_of_reports = std::ranges::find(kOfReports, kind) != kOfReports.end();
   return fmt::format("vpr.{}/{}", kind, is_of_reports ? 5 : kind == "result" ? 4 : 3);
 }

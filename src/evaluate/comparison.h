@@ -28,6 +28,8 @@ struct ComparedValue {
   std::optional<double> value;       ///< over the compared frames; unpaired: over its own
   std::optional<double> difference;  ///< from the first method
   std::optional<Interval> interval;  ///< 95 %, of the difference
+  std::optional<Interval> own;       ///< 95 %, of the value
+  bool is_best = false;  ///< better than every other paired method: no interval contains 0
 };
 
 struct Comparison {
@@ -39,22 +41,25 @@ struct Comparison {
 };
 
 struct ComparisonSettings {
-  size_t block = 1;
-  size_t resamples = 1000;
+  size_t block = 0;  ///< consecutive frames that are drawn together; 0: by block_length
+  size_t resamples = 2000;
   uint64_t seed = 0;
   /// Only frames for which every paired method has a best match that is not ignored.
   bool only_common = false;
   /// Omits frames on whose match the ground truths disagree, which otherwise are an error.
   bool omit_disputed = false;
+  std::vector<size_t> recall_at = {};  ///< K of recall@K beside 1; empty: kRecallAt
 };
 
 /// Values and differences over the query frames of all paired methods: metrics of the first correct
 /// rank, for K > 1 only if any method has ranks, and every curve metric of best matches, by the
-/// confidence of each method (Outcomes::confidence). Intervals are the central 95 % of the
-/// differences of circular block bootstraps (Politis and Romano 1992): blocks of consecutive frames
-/// are drawn with replacement, the same for all paired methods; resamples without a value are
-/// skipped. The same seed yields the same intervals. Throws Error(data) for fewer than two methods,
-/// different numbers of frames, no frame to compare, or disputed frames.
+/// confidence of each method (Outcomes::confidence). Intervals are the central 95 % of the values,
+/// and of the differences, of circular block bootstraps (Politis and Romano 1992): blocks of
+/// consecutive frames are drawn with replacement, the same for all paired methods; resamples
+/// without a value are skipped. The default block is the largest block_length of any paired
+/// method's series of correct best matches over the frames with a match, in frames of the query.
+/// The same seed yields the same intervals. Throws Error(data) without methods, for different
+/// numbers of frames, no frame to compare, or disputed frames.
 Comparison compare_outcomes(std::span<const NamedOutcomes> methods,
                             const ComparisonSettings& settings, const Monitor& monitor);
 

@@ -61,8 +61,9 @@ struct EvaluatedResult {
 };
 
 struct Evaluation {
-  std::optional<std::string> name;  ///< of the result or the scores, set by the user
-  GroundTruth truth;                ///< labels are unknown without a ground truth
+  std::optional<std::string> name;           ///< of the result or the scores, set by the user
+  std::optional<std::string> data_set = {};  ///< likewise, in tables of several
+  GroundTruth truth;                         ///< labels are unknown without a ground truth
   Judgment judgment;
   std::optional<EvaluatedResult> result;  ///< nullopt: scores alone
   ScoreSettings scores;                   ///< of scores alone

@@ -29,6 +29,14 @@ double average_precision_of(const QueryOutcome& query, size_t k) {
   return sum / static_cast<double>(std::min<size_t>(k, std::max<size_t>(1, query.correct_count)));
 }
 
+// AP over the correct items that have a score, instead of all positives.
+MetricValue average_precision_of_correct(const Curve& curve) {
+  if (!curve.is_measurable() || curve.points.empty() || curve.points.back().correct == 0) return {};
+  const double scale =
+      static_cast<double>(curve.positives) / static_cast<double>(curve.points.back().correct);
+  return {*average_precision(curve).value * scale, {}};
+}
+
 constexpr Metric of_curve(std::string_view key, std::string_view symbol, std::string_view meaning,
                           MetricValue (*compute)(const Curve&), bool is_low_good = false) {
   return {.key = key,
@@ -105,6 +113,9 @@ constexpr Metric kMetrics[] = {
     of_curve("risk_coverage_area", "AURC",
              "mean share of mistakes over all numbers of accepted matches; lower is better",
              risk_coverage_area, true),
+    of_curve("average_precision_of_correct", "AP of correct",
+             "AP with recall over the correct best matches, as scikit-learn normalizes",
+             average_precision_of_correct),
     {.key = "recall_achievement",
      .symbol = "RAR ",
      .meaning = "share of stretches of the path with R@1 of r or more",

@@ -213,6 +213,7 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
   report.frames = judgment;
   report.query = evaluation.query().name;
   report.name = evaluation.name;
+  report.data_set = evaluation.data_set;
   report.caution = evaluation.caution;
   report.protocol = {truth.protocol, truth.tolerance_frames, {}};
   report.provenance.made_by = provenance_of(run);

@@ -110,9 +110,10 @@ struct Report {
   ByAcceptance<ReportedCurve> curves;
   Protocol protocol;
   ReportSources provenance;
-  std::optional<std::string> name;  ///< set by the user
-  std::string row_name;             ///< in tables of several reports; not in the file
-  std::string caution;              ///< of the evaluation; not in the file
+  std::optional<std::string> name;      ///< set by the user
+  std::optional<std::string> data_set;  ///< likewise
+  std::string row_name;                 ///< in tables of several reports; not in the file
+  std::string caution;                  ///< of the evaluation; not in the file
 
   /// Null for scores.
   const QuerySettings* query_settings() const { return std::get_if<QuerySettings>(&settings); }

@@ -294,6 +294,7 @@ void visit_fields(Report& report, Visitor&& visit) {
           visit_sources(report.provenance, report.frames.by, inner);
         }});
   visit("name", IfSet{report.name});
+  visit("data_set", IfSet{report.data_set});
   visit("judged", Unless{report.frames.by, JudgedBy::ground_truth});
 }
 

@@ -3,6 +3,7 @@
 #include <functional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/json.h"
 #include "base/text.h"
@@ -17,8 +18,14 @@ namespace {
 constexpr double kLaneHeight = 46;
 constexpr double kLaneTop = 0.45;  // of a lane; its name is above
 
-std::string title_of(const ComparisonReport& comparison) {
-  return fmt::format("{} on {}", counted(comparison.reports.size(), "method"), comparison.query());
+std::string title_of(std::span<const ComparisonReport> comparisons) {
+  size_t methods = 0;
+  std::vector<std::string> sets;
+  for (const ComparisonReport& comparison : comparisons) {
+    methods = std::max(methods, comparison.reports.size());
+    sets.push_back(comparison.data_set);
+  }
+  return fmt::format("{} on {}", counted(methods, "method"), fmt::join(sets, ", "));
 }
 
 constexpr size_t kMostNamed = 3;  // methods in the sentence
@@ -86,30 +93,44 @@ Chart lanes_chart(const std::string& title, std::span<const Report> reports) {
 
 }  // namespace
 
-std::string comparison_page(const ComparisonReport& comparison) {
-  const Json json = comparison_json(comparison);
-  Json made = json["bootstrap"];
-  made.update(json["provenance"]);
-  std::string numbers = table_html(methods_table(side_by_side(comparison), TableDetail::full));
-  const Table differences = difference_table(comparison);
-  if (!differences.rows.empty()) numbers += table_html(differences);
-  Chart curves = curves_overlay("Precision and recall of best matches, over frames with a match",
-                                comparison.reports);
-  curves.width = 650;
-  curves.height = 450;
-  const std::string figures =
-      figure_html(lanes_chart("Recognitions along the path", comparison.reports)) +
-      figure_html(curves);
-  return sections_page(title_of(comparison), sentence_of(comparison),
-                       "Ground truth: " + comparison.reports.front().protocol.ground_truth,
+std::string comparison_page(std::span<const ComparisonReport> comparisons) {
+  const ComparisonReport& first = comparisons.front();
+  const Json json = comparison_json(first);
+  Json made = json["provenance"];
+  std::string numbers = table_html(compared_methods(comparisons, TableDetail::full, true));
+  std::string figures;
+  std::string sentences;
+  std::string truths;
+  for (const ComparisonReport& comparison : comparisons) {
+    const std::string set = comparisons.size() == 1 ? "" : comparison.data_set + ": ";
+    made[set + "bootstrap"] = comparison_json(comparison)["bootstrap"];
+    Chart curves = curves_overlay(
+        set + "Precision and recall of best matches, over frames with a match", comparison.reports);
+    curves.width = 650;
+    curves.height = 450;
+    figures += figure_html(lanes_chart(set + "Recognitions along the path", comparison.reports)) +
+               figure_html(curves);
+    sentences += (sentences.empty() ? "" : " ") + set + sentence_of(comparison);
+    truths += (truths.empty() ? "Ground truth: " : "; ") + set +
+              comparison.reports.front().protocol.ground_truth;
+  }
+  for (const Table& differences : difference_tables(comparisons))
+    numbers += table_html(differences);
+  return sections_page(title_of(comparisons), sentences, truths,
                        section_html("Paths and curves", figures) + section_html("Numbers", numbers),
                        json["protocol"], made);
 }
 
-void draw_comparison(const ComparisonReport& comparison, const std::filesystem::path& folder) {
-  const std::string title = title_of(comparison);
-  draw_chart(curves_overlay(title, comparison.reports), folder);
-  draw_chart(lanes_chart(title, comparison.reports), folder);
+void draw_comparison(std::span<const ComparisonReport> comparisons,
+                     const std::filesystem::path& folder) {
+  for (size_t i = 0; i < comparisons.size(); ++i) {
+    const std::string title = title_of(comparisons.subspan(i, 1));
+    for (Chart chart : {curves_overlay(title, comparisons[i].reports),
+                        lanes_chart(title, comparisons[i].reports)}) {
+      if (comparisons.size() > 1) chart.file += fmt::format("-{}", i + 1);
+      draw_chart(chart, folder);
+    }
+  }
 }
 
 }  // namespace vpr

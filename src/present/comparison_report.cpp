@@ -88,6 +88,22 @@ void restrict_to(Report& report, const std::vector<size_t>& frames) {
                   : rank_value({&rank_metrics()[m], k}, report.frames.outcomes);
 }
 
+// Whether the reports are on one query of one data set.
+bool have_same_data(const Report& a, const Report& b) {
+  if (a.data_set && b.data_set && *a.data_set != *b.data_set) return false;
+  return a.query == b.query || a.query == kUnnamedQuery || b.query == kUnnamedQuery ||
+         a.provenance.ground_truth == b.provenance.ground_truth;
+}
+
+// Names the rows by the user or after the file, with a number if a name occurs twice.
+void name_rows(ComparisonReport& comparison) {
+  std::vector<std::string> names;
+  for (size_t r = 0; r < comparison.reports.size(); ++r)
+    names.push_back(comparison.reports[r].name.value_or(method_name(comparison.paths[r])));
+  names = numbered_names(names);
+  for (size_t r = 0; r < names.size(); ++r) comparison.reports[r].row_name = names[r];
+}
+
 Json named_report_json(const ComparisonReport& comparison, size_t r) {
   const Report& report = comparison.reports[r];
   Json json = {{"name", report.row_name},
@@ -112,6 +128,34 @@ Json named_report_json(const ComparisonReport& comparison, size_t r) {
   return json;
 }
 
+// A row per paired method after the first: its differences in the main metrics, with intervals.
+Table difference_table(const ComparisonReport& comparison) {
+  Table table;
+  table.title =
+      fmt::format("Differences to {} over {}, with 95 % intervals by blocks of {}",
+                  comparison.reports.front().row_name, comparison.frames(), comparison.found.block);
+  table.columns = {"method"};
+  std::map<size_t, size_t> rows;  // by method
+  for (size_t r = 1; r < comparison.reports.size(); ++r) {
+    if (!comparison.is_paired(r)) continue;
+    rows[r] = table.rows.size();
+    table.rows.push_back({comparison.reports[r].row_name});
+  }
+  for (const ComparedValue& value : comparison.found.values) {
+    if (value.metric.metric->detail == TableDetail::data || value.metric.k > 1) continue;
+    if (value.method == 0) {
+      table.columns.push_back(value.metric.symbol());
+      for (auto& row : table.rows) row.emplace_back("-");
+    } else if (value.difference && rows.contains(value.method)) {
+      std::string& cell = table.rows[rows[value.method]].back();
+      cell = fmt::format("{:+.4f}", *value.difference);
+      if (value.interval)
+        cell += fmt::format(" ({:+.4f} to {:+.4f})", value.interval->low, value.interval->high);
+    }
+  }
+  return table;
+}
+
 }  // namespace
 
 GroundTruths compare_ground_truths(std::span<const Report> reports) {
@@ -131,12 +175,25 @@ GroundTruths compare_ground_truths(std::span<const Report> reports) {
   return agree ? GroundTruths::same : GroundTruths::of_places_and_frames;
 }
 
-void name_rows(std::vector<Report>& reports, const std::vector<std::string>& paths) {
+std::vector<ComparisonReport> by_data_set(std::vector<Report> reports,
+                                          const std::vector<std::string>& paths) {
+  std::vector<ComparisonReport> sets;
+  for (size_t r = 0; r < reports.size(); ++r) {
+    auto set = std::ranges::find_if(sets, [&](const ComparisonReport& one) {
+      return have_same_data(one.reports.front(), reports[r]);
+    });
+    if (set == sets.end()) set = sets.emplace(sets.end());
+    set->reports.push_back(std::move(reports[r]));
+    set->paths.push_back(paths[r]);
+  }
   std::vector<std::string> names;
-  for (size_t r = 0; r < reports.size(); ++r)
-    names.push_back(reports[r].name.value_or(method_name(paths[r])));
+  for (ComparisonReport& set : sets) {
+    names.push_back(set.reports.front().data_set.value_or(set.query()));
+    name_rows(set);
+  }
   names = numbered_names(names);
-  for (size_t r = 0; r < reports.size(); ++r) reports[r].row_name = names[r];
+  for (size_t s = 0; s < sets.size(); ++s) sets[s].data_set = names[s];
+  return sets;
 }
 
 std::string ComparisonReport::query() const {
@@ -151,20 +208,17 @@ std::string ComparisonReport::frames() const {
                      reports.front().frames_that_count());
 }
 
-ComparisonSettings comparison_settings(std::span<const Report> reports, uint64_t block,
-                                       uint64_t seed, bool only_common, bool omit_disputed) {
-  constexpr size_t kResamples = 2000;
-  constexpr size_t kMinBlock = 10;
-  const bool is_disputed = compare_ground_truths(reports) == GroundTruths::of_places_and_frames;
-  ComparisonSettings settings{block, kResamples, seed, only_common, omit_disputed || is_disputed};
-  if (settings.block > 0) return settings;
-  settings.block = kMinBlock;
-  for (const Report& report : reports)
-    settings.block = std::max(settings.block, report.frames.outcomes.window_length);
-  return settings;
-}
-
 void compare_reports(ComparisonReport& comparison, const Monitor& monitor) {
+  // Reports have the first correct rank of each query, so that any K is known.
+  for (Report& report : comparison.reports)
+    for (const size_t k : comparison.settings.recall_at)
+      for (size_t m = 0; m < rank_metrics().size(); ++m)
+        if (const Outcomes& outcomes = report.frames.outcomes;
+            !rank_metrics()[m].needs_all_ranks &&
+            (k == 1 || (outcomes.has_ranks && rank_metrics()[m].is_known_at(outcomes, k))))
+          report.metrics.ranks[m][k] = rank_value({&rank_metrics()[m], k}, outcomes);
+  if (compare_ground_truths(comparison.reports) == GroundTruths::of_places_and_frames)
+    comparison.settings.omit_disputed = true;
   std::vector<NamedOutcomes> methods;
   for (size_t r = 0; r < comparison.reports.size(); ++r)
     methods.push_back({comparison.reports[r].row_name, comparison.reports[r].frames.outcomes,
@@ -199,7 +253,10 @@ Json comparison_json(const ComparisonReport& comparison) {
                                {"value", or_null(value.value)},
                                {"difference", or_null(difference)},
                                {"low", or_null(low)},
-                               {"high", or_null(high)}});
+                               {"high", or_null(high)},
+                               {"own_low", or_null(value.own ? Value(value.own->low) : Value())},
+                               {"own_high", or_null(value.own ? Value(value.own->high) : Value())},
+                               {"best", value.is_best}});
   }
   json["protocol"] = {
       {"frames",
@@ -218,17 +275,38 @@ Json comparison_json(const ComparisonReport& comparison) {
       {"metrics",
        "of best matches; an accepted best match of a frame without a match is incorrect"},
       {"interval",
-       "central 95 % of the difference to the first report under the circular block bootstrap, "
-       "the same blocks of neighboring frames for all reports"}};
+       "central 95 % of the value (own), and of the difference to the first report, under the "
+       "circular block bootstrap, the same blocks of neighboring frames for all reports"},
+      {"block",
+       comparison.settings.block > 0
+           ? "set by the user"
+           : "from the autocorrelation of correct best matches (Politis and White 2004), the "
+             "largest of the paired reports"}};
   json["provenance"] = value_to_json(comparison.made_by);
+  return json;
+}
+
+Json comparisons_json(std::span<const ComparisonReport> comparisons) {
+  if (comparisons.size() == 1) return comparison_json(comparisons.front());
+  Json json = {{"schema", schema_name("comparisons")}, {"comparisons", Json::array()}};
+  for (const ComparisonReport& comparison : comparisons)
+    json["comparisons"].push_back(
+        {{"data_set", comparison.data_set}, {"comparison", comparison_json(comparison)}});
+  json["provenance"] = value_to_json(comparisons.front().made_by);
   return json;
 }
 
 SideBySide side_by_side(const ComparisonReport& comparison) {
   const std::vector<Report>& reports = comparison.reports;
   const bool differ = compare_ground_truths(reports) != GroundTruths::same;
-  SideBySide methods{reports, comparison.query(),     comparison.frames(), {},
-                     {},      comparison.omits_frames};
+  SideBySide methods{.reports = reports,
+                     .query = comparison.data_set,
+                     .frames = comparison.frames(),
+                     .is_comparable = {},
+                     .notes = {},
+                     .omits_frames = comparison.omits_frames,
+                     .recall_at = comparison.settings.recall_at,
+                     .compared = comparison.found.values};
   for (size_t r = 0; r < reports.size(); ++r) {
     methods.is_comparable.push_back(comparison.is_paired(r));
     methods.notes.push_back(note_of(reports[r], comparison.is_paired(r), differ));
@@ -236,66 +314,87 @@ SideBySide side_by_side(const ComparisonReport& comparison) {
   return methods;
 }
 
-std::string comparison_text(const ComparisonReport& comparison) {
-  std::string text = short_text(methods_table(side_by_side(comparison), TableDetail::brief));
-  for (const ComparedValue& value : comparison.found.values)
-    if (value.metric == metric_at("recall_at", 1) && value.interval) {
+Table compared_methods(std::span<const ComparisonReport> comparisons, TableDetail detail,
+                       bool has_intervals) {
+  std::vector<std::pair<std::string, Table>> tables;
+  if (comparisons.size() > 1 && detail == TableDetail::full) detail = TableDetail::brief;
+  for (const ComparisonReport& comparison : comparisons) {
+    SideBySide methods = side_by_side(comparison);
+    methods.has_intervals = has_intervals;
+    tables.emplace_back(comparison.data_set, methods_table(methods, detail));
+    if (has_intervals)
+      tables.back().second.title += fmt::format("; in brackets 95 % intervals, by blocks of {}",
+                                                counted(comparison.found.block, "frame"));
+  }
+  return tables.size() == 1 ? tables.front().second : joined_tables(tables);
+}
+
+std::string comparison_text(std::span<const ComparisonReport> comparisons) {
+  std::string text = short_text(compared_methods(comparisons, TableDetail::brief, false));
+  for (const ComparisonReport& comparison : comparisons) {
+    const std::string set = comparisons.size() == 1 ? "" : comparison.data_set + ": ";
+    std::vector<std::string> own;
+    std::string differences;
+    for (const ComparedValue& value : comparison.found.values) {
+      if (value.metric != metric_at("recall_at", 1)) continue;
+      const std::string& name = comparison.reports[value.method].row_name;
+      if (value.own)
+        own.push_back(fmt::format("{} {:.4f} to {:.4f}", name, value.own->low, value.own->high));
+      if (!value.interval) continue;
       const std::string verdict = verdict_of(comparison, value);
-      text += wrapped_text(
-          fmt::format("{} - {}: R@1 {:+.4f} (95 %: {:+.4f} to {:+.4f}){}",
-                      comparison.reports[value.method].row_name,
+      differences += wrapped_text(
+          fmt::format("{}{} - {}: R@1 {:+.4f} (95 %: {:+.4f} to {:+.4f}){}", set, name,
                       comparison.reports.front().row_name, *value.difference, value.interval->low,
                       value.interval->high, verdict.empty() ? "" : ", " + verdict),
           2);
     }
+    if (!own.empty())
+      text +=
+          wrapped_text(fmt::format("{}R@1, 95 %, by blocks of {}: {}", set,
+                                   counted(comparison.found.block, "frame"), fmt::join(own, ", ")),
+                       2);
+    text += differences;
+  }
   return text;
 }
 
-Table difference_table(const ComparisonReport& comparison) {
-  Table table;
-  table.title =
-      fmt::format("Differences to {} over {}, with 95 % intervals by blocks of {}",
-                  comparison.reports.front().row_name, comparison.frames(), comparison.found.block);
-  table.columns = {"method"};
-  std::map<size_t, size_t> rows;  // by method
-  for (size_t r = 1; r < comparison.reports.size(); ++r) {
-    if (!comparison.is_paired(r)) continue;
-    rows[r] = table.rows.size();
-    table.rows.push_back({comparison.reports[r].row_name});
+std::vector<Table> difference_tables(std::span<const ComparisonReport> comparisons) {
+  std::vector<Table> tables;
+  for (const ComparisonReport& comparison : comparisons) {
+    Table table = difference_table(comparison);
+    if (comparisons.size() > 1) table.title = comparison.data_set + ": " + table.title;
+    if (!table.rows.empty()) tables.push_back(std::move(table));
   }
-  for (const ComparedValue& value : comparison.found.values) {
-    if (value.metric.metric->detail == TableDetail::data || value.metric.k > 1) continue;
-    if (value.method == 0) {
-      table.columns.push_back(value.metric.symbol());
-      for (auto& row : table.rows) row.emplace_back("-");
-    } else if (value.difference && rows.contains(value.method)) {
-      std::string& cell = table.rows[rows[value.method]].back();
-      cell = fmt::format("{:+.4f}", *value.difference);
-      if (value.interval)
-        cell += fmt::format(" ({:+.4f} to {:+.4f})", value.interval->low, value.interval->high);
-    }
-  }
-  return table;
+  return tables;
 }
 
-std::string comparison_tables(const ComparisonReport& comparison, TableFormat format) {
-  Table table = methods_table(side_by_side(comparison), detail_of(format));
-  const std::string methods = render_table(table, format);
-  if (format == TableFormat::latex) return methods;
+std::string comparison_tables(std::span<const ComparisonReport> comparisons, TableFormat format) {
   if (format != TableFormat::csv) {
-    const Table differences = difference_table(comparison);
-    return methods + (differences.rows.empty() ? "" : "\n" + render_table(differences, format));
+    std::string text = render_table(compared_methods(comparisons, detail_of(format), true), format);
+    for (const Table& differences : difference_tables(comparisons))
+      text += "\n" + render_table(differences, format);
+    return text;
   }
-  for (const ComparedValue& value : comparison.found.values) {
-    const std::array<std::string_view, 3> names = {"difference", "low", "high"};
-    const std::array<Value, 3> numbers = differences(value);
-    for (size_t i = 0; i < names.size(); ++i) {
-      if (value.method == 0)
-        table.columns.push_back(fmt::format("{} {}", value.metric.symbol(), names[i]));
-      table.rows[value.method].push_back(numbers[i] ? to_line(*numbers[i]) : "");
+  std::vector<std::pair<std::string, Table>> tables;
+  for (const ComparisonReport& comparison : comparisons) {
+    Table table = methods_table(side_by_side(comparison), TableDetail::data);
+    for (const ComparedValue& value : comparison.found.values) {
+      const auto [difference, low, high] = differences(value);
+      const std::array<std::pair<std::string_view, Value>, 5> numbers = {
+          {{"own low", value.own ? Value(value.own->low) : Value()},
+           {"own high", value.own ? Value(value.own->high) : Value()},
+           {"difference", difference},
+           {"low", low},
+           {"high", high}}};
+      for (const auto& [name, number] : numbers) {
+        if (value.method == 0)
+          table.columns.push_back(fmt::format("{} {}", value.metric.symbol(), name));
+        table.rows[value.method].push_back(number ? to_line(*number) : "");
+      }
     }
+    tables.emplace_back(comparison.data_set, std::move(table));
   }
-  return render_table(table, format);
+  return render_table(tables.size() == 1 ? tables.front().second : joined_tables(tables), format);
 }
 
 }  // namespace vpr

@@ -1,4 +1,4 @@
-// Comparisons of reports on one query (vpr.comparison/5).
+// Comparisons of reports on one query (vpr.comparison/5), or on several (vpr.comparisons/5).
 #pragma once
 
 #include <array>
@@ -26,13 +26,11 @@ inline constexpr std::array<std::string_view, 3> kEnumNames<GroundTruths> = {
 /// Compares fingerprints, and for queries with different selections the protocols' words.
 GroundTruths compare_ground_truths(std::span<const Report> reports);
 
-/// Names the rows of reports: by the user or after the file, with a number if a name occurs twice.
-/// `paths`: the files.
-void name_rows(std::vector<Report>& reports, const std::vector<std::string>& paths);
-
 /// Reports on one query. The first is the baseline.
 struct ComparisonReport {
-  std::vector<Report> reports;
+  std::string data_set;         ///< its name, or that of the query
+  std::vector<Report> reports;  ///< with the names of their rows
+  std::vector<std::string> paths;
   ComparisonSettings settings;
   Comparison found;
   Provenance made_by;
@@ -47,39 +45,51 @@ struct ComparisonReport {
   }
 };
 
-/// The settings of a comparison of these reports. `block`: 0 chooses the longest window, but at
-/// least 10 frames. Disputed frames are also omitted if the ground truths are of places and of
-/// frames.
-ComparisonSettings comparison_settings(std::span<const Report> reports, uint64_t block,
-                                       uint64_t seed, bool only_common, bool omit_disputed);
+/// The reports by data set, in the order of their first reports. Reports are on one data set if
+/// their queries have one name, or none, or if their ground truths are the same, unless their data
+/// sets have different names. `paths`: the files, after which rows without a name are called.
+std::vector<ComparisonReport> by_data_set(std::vector<Report> reports,
+                                          const std::vector<std::string>& paths);
 
-/// Compares the reports, whose rows have names. If frames are omitted, restricts paired reports to
+/// Compares the reports. Columns of recall@K are those of the settings or, without any, of the
+/// reports. Disputed frames are also omitted if the ground truths are of places and of frames. If
+/// frames are omitted, restricts paired reports to
 /// the compared ones, so that all of their numbers are over these, except accepted pairs. Throws as
 /// compare_outcomes does.
 void compare_reports(ComparisonReport& comparison, const Monitor& monitor);
 
 /// The file without "machine" and "timing".
 Json comparison_json(const ComparisonReport& comparison);
+/// Of one data set, its comparison.
+Json comparisons_json(std::span<const ComparisonReport> comparisons);
 
 /// The reports side by side. If frames are omitted, numbers that are known for the whole query only
 /// are absent.
 SideBySide side_by_side(const ComparisonReport& comparison);
 
-/// The methods as short_text, and the differences in R@1 to the first report.
-std::string comparison_text(const ComparisonReport& comparison);
+/// A row per method and, of several data sets, a group of columns per data set, which are at most
+/// brief if `detail` is full.
+Table compared_methods(std::span<const ComparisonReport> comparisons, TableDetail detail,
+                       bool has_intervals);
 
-/// A row per paired method after the first: its differences in the main metrics, with intervals.
-Table difference_table(const ComparisonReport& comparison);
+/// The methods as short_text, and of each data set the intervals of R@1 and the differences in R@1
+/// to the first report.
+std::string comparison_text(std::span<const ComparisonReport> comparisons);
 
-/// The methods and difference_table. LaTeX has the methods only, and CSV is one table with the
+/// Per data set with paired methods after the first, a row per such method: its differences in the
+/// main metrics, with intervals.
+std::vector<Table> difference_tables(std::span<const ComparisonReport> comparisons);
+
+/// The methods with intervals, and difference_tables. CSV is one table with the intervals and the
 /// differences of all metrics.
-std::string comparison_tables(const ComparisonReport& comparison, TableFormat format);
+std::string comparison_tables(std::span<const ComparisonReport> comparisons, TableFormat format);
 
 /// One file without external references: verdicts along the path, curves, and the tables.
-std::string comparison_page(const ComparisonReport& comparison);
+std::string comparison_page(std::span<const ComparisonReport> comparisons);
 
-/// Writes precision-recall and lanes as SVG and PNG into the folder of an output. Throws
-/// Error(output).
-void draw_comparison(const ComparisonReport& comparison, const std::filesystem::path& folder);
+/// Writes precision-recall and lanes as SVG and PNG into the folder of an output; of several data
+/// sets, with their numbers in the names. Throws Error(output).
+void draw_comparison(std::span<const ComparisonReport> comparisons,
+                     const std::filesystem::path& folder);
 
 }  // namespace vpr

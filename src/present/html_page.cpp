@@ -36,6 +36,24 @@ std::string fill_page(std::string_view page, const std::map<std::string, std::st
   }
 }
 
+namespace {
+
+// A row of names over their columns; empty without groups.
+std::string groups_html(const Table& table) {
+  if (table.groups.empty()) return "";
+  std::string html = "<tr>";
+  size_t at = 0;
+  for (const ColumnGroup& group : table.groups) {
+    if (group.first > at) html += "<td colspan=\"" + std::to_string(group.first - at) + "\"></td>";
+    html += "<th scope=\"colgroup\" colspan=\"" + std::to_string(group.count) + "\">" +
+            html_escaped(group.name) + "</th>";
+    at = group.first + group.count;
+  }
+  return html + "</tr>";
+}
+
+}  // namespace
+
 std::string table_html(const Table& table) {
   const std::string title = html_escaped(table.title);
   const auto cell = [&](size_t row, size_t column) {
@@ -46,7 +64,7 @@ std::string table_html(const Table& table) {
   std::string notes;
   for (const std::string& note : table.notes)
     notes += "<p class=\"note\">" + html_escaped(note) + "</p>";
-  if (table.rows.size() == 1) {
+  if (table.rows.size() == 1 && table.groups.empty()) {
     html += "<dl class=\"facts\">";
     for (size_t column = 0; column < table.columns.size(); ++column)
       html += "<div><dt>" + html_escaped(table.columns[column]) + "</dt><dd>" + cell(0, column) +
@@ -54,7 +72,7 @@ std::string table_html(const Table& table) {
     return html + "</dl>" + notes + "\n";
   }
   html += "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" + title +
-          "\"><table><thead><tr>";
+          "\"><table><thead>" + groups_html(table) + "<tr>";
   for (const std::string& column : table.columns)
     html += "<th scope=\"col\">" + html_escaped(column) + "</th>";
   html += "</tr></thead><tbody>";

@@ -43,8 +43,9 @@ std::string pairs_cell(const Report& report) {
 }
 
 // The metric with each K, or each verdict that tables of this detail have.
-std::vector<MetricAt> columns_of(const Metric& metric, std::span<const Report> reports,
+std::vector<MetricAt> columns_of(const Metric& metric, const SideBySide& methods,
                                  TableDetail detail) {
+  const std::span<const Report> reports = methods.reports;
   const bool has_other_columns = metric.is_percent || metric.of_stretches != nullptr;
   if (metric.detail > detail || metric.symbol.empty() || has_other_columns) return {};
   if (metric.has_verdicts()) {
@@ -62,7 +63,9 @@ std::vector<MetricAt> columns_of(const Metric& metric, std::span<const Report> r
          report.metrics.ranks[static_cast<size_t>(&metric - rank_metrics().data())])
       ks.insert(k);
   std::vector<MetricAt> columns;
-  for (const size_t k : ks) columns.push_back({&metric, k});
+  for (const size_t k : ks)
+    if (methods.recall_at.empty() || std::ranges::count(methods.recall_at, k) > 0)
+      columns.push_back({&metric, k});
   return columns;
 }
 
@@ -119,7 +122,20 @@ void add_other_data(Columns& columns) {
   }
 }
 
+// Of a comparison, the value of a report; null without one.
+const ComparedValue* compared_value(const SideBySide& methods, const MetricAt& at, size_t report) {
+  for (const ComparedValue& value : methods.compared)
+    if (value.method == report && value.metric == at) return &value;
+  return nullptr;
+}
+
 void mark_best_methods(Table& table, const SideBySide& methods, const MetricAt& at) {
+  if (!methods.compared.empty()) {
+    for (size_t r = 0; r < methods.reports.size(); ++r)
+      if (const ComparedValue* value = compared_value(methods, at, r); value && value->is_best)
+        table.best.insert({r, table.columns.size() - 1});
+    return;
+  }
   std::vector<Value> values;
   for (size_t r = 0; r < methods.reports.size(); ++r)
     values.push_back(methods.is_comparable[r] ? value_of(methods.reports[r], at) : std::nullopt);
@@ -183,12 +199,20 @@ Table methods_table(const SideBySide& methods, TableDetail detail) {
     });
   const bool may_mark = !is_data && !lack_labels(reports);
   for (const Metric& metric : metrics())
-    for (const MetricAt& at : columns_of(metric, reports, detail)) {
+    for (const MetricAt& at : columns_of(metric, methods, detail)) {
       const char* whole = methods.omits_frames && metric.of_counts ? " (all frames)" : "";
       const bool is_added = columns.add(at.symbol() + whole, [&](const Report& report) {
         const Value value = shown_value(report, at);
         if (is_data) return data_cell(metric, value);
-        return metric.has_verdicts() ? pairs_cell(report) : metric_cell(metric, value);
+        if (metric.has_verdicts()) return pairs_cell(report);
+        const auto r = static_cast<size_t>(&report - reports.data());
+        const ComparedValue* compared =
+            methods.has_intervals ? compared_value(methods, at, r) : nullptr;
+        const bool has_interval = compared != nullptr && compared->own && value;
+        return metric_cell(metric, value) +
+               (has_interval
+                    ? fmt::format(" [{:.3f}, {:.3f}]", compared->own->low, compared->own->high)
+                    : "");
       });
       if (is_added && may_mark && (metric.of_curve != nullptr || metric.of_query != nullptr))
         mark_best_methods(table, methods, at);

@@ -55,6 +55,19 @@ std::string text_table(const Table& table) {
     return text + "\n";
   };
   std::string text = table.title.empty() ? "" : table.title + "\n";
+  if (!table.groups.empty()) {
+    std::string names;
+    size_t at = 0;  // the left end of a column
+    for (size_t c = 0; c < columns; ++c) {
+      const auto group = std::ranges::find(table.groups, c, &ColumnGroup::first);
+      if (group != table.groups.end()) {
+        if (width(names) + 1 > at && c > 0) names += "  ";
+        names += std::string(at > width(names) ? at - width(names) : 0, ' ') + group->name;
+      }
+      at += widths[c] + 2;
+    }
+    text += names + "\n";
+  }
   text += line(table.columns);
   size_t total = 2 * (widths.empty() ? 0 : widths.size() - 1);
   for (const size_t w : widths) total += w;
@@ -72,7 +85,17 @@ Table with_printable_text(Table table) {
   std::for_each(table.columns.begin(), table.columns.end(), print);
   for (auto& row : table.rows) std::for_each(row.begin(), row.end(), print);
   std::for_each(table.notes.begin(), table.notes.end(), print);
+  for (ColumnGroup& group : table.groups) print(group.name);
   return table;
+}
+
+// "corridor R@1": for formats without groups of columns.
+std::vector<std::string> full_columns(const Table& table) {
+  std::vector<std::string> columns = table.columns;
+  for (const ColumnGroup& group : table.groups)
+    for (size_t c = group.first; c < group.first + group.count; ++c)
+      columns[c] = group.name + " " + columns[c];
+  return columns;
 }
 
 std::string csv_table(const Table& table) {
@@ -81,7 +104,7 @@ std::string csv_table(const Table& table) {
     for (const std::string& cell : cells) fields.push_back(csv_field(cell));
     return fmt::format("{}\n", fmt::join(fields, ","));
   };
-  std::string text = line(table.columns);
+  std::string text = line(full_columns(table));
   for (const auto& row : table.rows) text += line(row);
   return text;
 }
@@ -110,7 +133,7 @@ std::string markdown_table(const Table& table) {
     return fmt::format("| {} |\n", fmt::join(cells, " | "));
   };
   std::vector<std::string> columns;
-  for (const std::string& column : table.columns) columns.push_back(markdown_escaped(column));
+  for (const std::string& column : full_columns(table)) columns.push_back(markdown_escaped(column));
   std::string text = table.title.empty() ? "" : fmt::format("**{}**\n\n", table.title);
   text += line(columns) + "|";
   for (size_t c = 0; c < table.columns.size(); ++c)
@@ -154,6 +177,31 @@ std::string latex_label(const std::string& title) {
   return label.substr(0, label.find_last_not_of('-') + 1);
 }
 
+// A row of names over their columns, with lines below.
+std::string latex_groups(const Table& table) {
+  if (table.groups.empty()) return "";
+  std::string cells;
+  std::string lines;
+  size_t at = 0;
+  for (const ColumnGroup& group : table.groups) {
+    for (; at < group.first; ++at) cells += at == 0 ? "" : " & ";
+    cells += fmt::format("{}\\multicolumn{{{}}}{{c}}{{{}}}", group.first == 0 ? "" : " & ",
+                         group.count, latex_escaped(group.name));
+    lines += fmt::format("\\cmidrule(lr){{{}-{}}}", group.first + 1, group.first + group.count);
+    at = group.first + group.count;
+  }
+  return cells + " \\\\\n" + lines + "\n";
+}
+
+// An interval in brackets is below its value, in small letters.
+std::string latex_cell(const std::string& text) {
+  const size_t bracket = text.find(" [");
+  if (bracket == std::string::npos || !text.ends_with(']')) return latex_escaped(text);
+  return fmt::format("\\shortstack[r]{{{}\\\\{{\\scriptsize {}}}}}",
+                     latex_escaped(text.substr(0, bracket)),
+                     latex_escaped(text.substr(bracket + 1)));
+}
+
 std::string latex_table(const Table& table) {
   const auto line = [](const std::vector<std::string>& cells) {
     return fmt::format("{} \\\\\n", fmt::join(cells, " & "));
@@ -168,9 +216,10 @@ std::string latex_table(const Table& table) {
   if (!table.title.empty())
     text += fmt::format("\\caption{{{}}}\n\\label{{tab:{}}}\n", latex_escaped(table.title),
                         table.label.empty() ? latex_label(table.title) : table.label);
-  text += fmt::format("\\begin{{tabular}}{{{}}}\n\\toprule\n{}\\midrule\n", columns, line(names));
+  text += fmt::format("\\begin{{tabular}}{{{}}}\n\\toprule\n{}{}\\midrule\n", columns,
+                      latex_groups(table), line(names));
   const auto bold = [](const std::string& cell) { return "\\textbf{" + cell + "}"; };
-  for (const auto& row : marked_rows(table, latex_escaped, bold)) text += line(row);
+  for (const auto& row : marked_rows(table, latex_cell, bold)) text += line(row);
   return text + "\\bottomrule\n\\end{tabular}\n\\end{table}\n";
 }
 
@@ -191,6 +240,45 @@ std::vector<std::string> numbered_names(const std::vector<std::string>& names) {
   for (size_t i = 0; i < names.size(); ++i)
     if (std::ranges::count(names, names[i]) > 1) numbered[i] += fmt::format(" ({})", i + 1);
   return numbered;
+}
+
+Table joined_tables(const std::vector<std::pair<std::string, Table>>& tables) {
+  Table joined = tables.front().second;
+  joined.columns.resize(1);
+  joined.rows.clear();
+  joined.best.clear();
+  joined.title.clear();
+  joined.notes.clear();
+  for (const auto& [name, table] : tables)
+    for (const auto& row : table.rows)
+      if (std::ranges::none_of(joined.rows, [&](const auto& one) { return one[0] == row[0]; }))
+        joined.rows.push_back({row[0]});
+  for (const auto& [name, table] : tables) {
+    const size_t first = joined.columns.size();
+    joined.groups.push_back({name, first, table.columns.size() - 1});
+    joined.columns.insert(joined.columns.end(), table.columns.begin() + 1, table.columns.end());
+    for (size_t r = 0; r < joined.rows.size(); ++r) {
+      auto& row = joined.rows[r];
+      const auto found =
+          std::ranges::find_if(table.rows, [&](const auto& one) { return one[0] == row[0]; });
+      if (found == table.rows.end()) {
+        row.resize(joined.columns.size(), "-");
+        continue;
+      }
+      row.insert(row.end(), found->begin() + 1, found->end());
+      const auto own = static_cast<size_t>(found - table.rows.begin());
+      for (size_t c = 1; c < table.columns.size(); ++c)
+        if (table.best.contains({own, c})) joined.best.insert({r, first + c - 1});
+    }
+    for (const std::string_view part : split(table.title, ';'))  // each once
+      if (joined.title.find(part) == std::string::npos)
+        joined.title += (joined.title.empty()    ? ""
+                         : part.starts_with(' ') ? ";"
+                                                 : "; ") +
+                        std::string(part);
+    for (const std::string& note : table.notes) joined.notes.push_back(name + ": " + note);
+  }
+  return joined;
 }
 
 std::string render_table(const Table& table, TableFormat format) {

@@ -20,6 +20,13 @@ template <>
 inline constexpr std::array<std::string_view, 4> kEnumNames<TableFormat> = {"text", "csv",
                                                                             "markdown", "latex"};
 
+/// The first column of a group, and the number of its columns.
+struct ColumnGroup {
+  std::string name;
+  size_t first = 0;
+  size_t count = 0;
+};
+
 /// A column is right-aligned if all its cells look like numbers.
 struct Table {
   std::string title;
@@ -29,7 +36,14 @@ struct Table {
   std::set<std::pair<size_t, size_t>> best = {};
   std::string label = {};               ///< in LaTeX, after "tab:"; empty: the title
   std::vector<std::string> notes = {};  ///< below the table; comments in LaTeX, absent in CSV
+  /// Names over consecutive columns, such as data sets; those after the last group have none. In
+  /// Markdown and CSV, they are part of the names of the columns.
+  std::vector<ColumnGroup> groups = {};
 };
+
+/// The tables side by side, with the names of their groups: a row for each name in their first
+/// columns, in the order of occurrence, with "-" where a table does not have it.
+Table joined_tables(const std::vector<std::pair<std::string, Table>>& tables);
 
 void add_row(Table& table, const auto&... cells) {
   table.rows.push_back({fmt::format("{}", cells)...});

@@ -62,12 +62,12 @@ std::string frames_of(const Judged& judged) {
 
 /// Reports side by side, as vpr-eval compare.
 struct Compared {
-  ComparisonReport comparison;
+  std::vector<ComparisonReport> sets;
 
-  std::string text() const { return to_text(comparison_json(comparison)); }
-  std::string table() const { return comparison_text(comparison); }
-  std::string page() const { return comparison_page(comparison); }
-  std::string latex() const { return comparison_tables(comparison, TableFormat::latex); }
+  std::string text() const { return to_text(comparisons_json(sets)); }
+  std::string table() const { return comparison_text(sets); }
+  std::string page() const { return comparison_page(sets); }
+  std::string latex() const { return comparison_tables(sets, TableFormat::latex); }
 };
 
 // `texts`: report files, named `names`.
@@ -75,31 +75,31 @@ std::shared_ptr<Compared> compare(Call& call, const std::vector<std::string>& te
                                   const std::vector<std::string>& names) {
   const auto made = std::make_shared<Compared>();
   call.run([&](const Monitor& monitor) {
-    ComparisonReport& all = made->comparison;
-    uint64_t block = 0;
-    bool only_common = false;
-    bool allow_different = false;
+    ComparisonSettings settings;
     NestedObject own{[&](auto&& visit) {
-      visit("block", block);
-      visit("common", only_common);
-      visit("allow_different", allow_different);
+      visit("block", settings.block);
+      visit("recall_at", settings.recall_at);
+      visit("common", settings.only_common);
+      visit("allow_different", settings.omit_disputed);
     }};
     call.keywords.read(own);
     if (texts.size() < 2) throw Error(ErrorKind::usage, "a comparison needs two or more reports");
+    settings.seed = call.keywords.process.seed;
+    std::vector<Report> reports;
     for (size_t r = 0; r < texts.size(); ++r) {
       const std::optional<Json> json = parse_json(texts[r]);
-      all.reports.push_back(parse_report(json ? *json : Json(), names[r]));
+      reports.push_back(parse_report(json ? *json : Json(), names[r]));
     }
-    name_rows(all.reports, names);
-    if (compare_ground_truths(all.reports) == GroundTruths::different && !allow_different)
-      throw Error(ErrorKind::data,
-                  "the reports have different ground truths. Evaluate all results with one of "
-                  "them, or pass allow_different=True");
-    all.settings = comparison_settings(all.reports, block, call.keywords.process.seed, only_common,
-                                       allow_different);
-    compare_reports(all, monitor);
-    all.made_by =
-        provenance_of(run_of("vpr-eval", {call.keywords.function}, call.keywords.process.seed));
+    made->sets = by_data_set(std::move(reports), names);
+    for (ComparisonReport& set : made->sets) {
+      if (compare_ground_truths(set.reports) == GroundTruths::different && !settings.omit_disputed)
+        throw Error(ErrorKind::data,
+                    "the reports have different ground truths. Evaluate all results with one of "
+                    "them, or pass allow_different=True");
+      set.settings = settings;
+      compare_reports(set, monitor);
+      set.made_by = provenance_of(run_of("vpr-eval", {call.keywords.function}, settings.seed));
+    }
   });
   return made;
 }

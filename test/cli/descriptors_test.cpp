@@ -95,7 +95,7 @@ TEST_CASE("imported descriptors are evaluated and swept like others") {
   check_failure("vpr-eval r.json --ground-truth aligned --query q.npy --html r2.html", 2,
                 "plots need its images");
   const Json sweep = printed_json(
-      "vpr-tune fastable part.vprdb --query q.npy --ground-truth aligned --c-l 1,5 --json");
+      "vpr-tune fastable part.vprdb --query-npy q.npy --ground-truth aligned --c-l 1,5 --json");
   CHECK(has(sweep.dump(), "recommend"));
 }
 

@@ -74,9 +74,9 @@ TEST_CASE("an operating point from the ground truth is not compared with a chose
   const std::string all = "oracle.json late.json fixed.json ";
   const std::string text = compare(all);
   CHECK(has(text, "oracle: threshold from the ground truth"));
-  CHECK(has(text, "  0.6962*  0.3333*        -          -      -\n"));
-  CHECK(has(text, "  0.6962*  0.3333*        7          1      0\n"));
-  CHECK(has(compare(all + "--format markdown"), "| **0.3333** |"));
+  CHECK(has(text, "  0.6962  0.3333        -          -      -\n"));
+  CHECK(has(text, "  0.6962  0.3333        7          1      0\n"));
+  CHECK(has(compare(all + "--format markdown"), "| 0.3333 ["));  // equal: none is the best
   CHECK(has(compare(all + "--format markdown"), "| 7 | 1 | 0.5833 |"));
   CHECK_FALSE(has(compare("oracle.json oracle.json -v"), "incorrect"));
 }
@@ -195,7 +195,7 @@ TEST_CASE("reports are compared query by query") {
   CHECK(found["metrics"][1]["report"] == "w");
   CHECK(found["metrics"][1]["difference"].get<double>() == Approx(-3.0 / 12));
   const std::string text = run_ok(compare).out;
-  CHECK(text.starts_with("queries: over 12 frames with a match\nmethod      R@1 "));
+  CHECK(text.starts_with("queries: over 12 frames with a match\nmethod     R@1 "));
   CHECK(has(text, "\nw - s: R@1 -0.2500 (95 %: "));
   CHECK_FALSE(has(text, "Differences to s"));
   CHECK(has(run_ok(compare + " -v").out, "Differences to s over 12 frames with a match"));
@@ -289,9 +289,10 @@ TEST_CASE("the table of a paper has a row for each method, with the best values 
   write_report("good", 8);
   write_report("bad", 4);
   const auto table = [&](const std::string& format) {
-    const auto outcome =
-        run_ok("vpr-eval compare good.json bad.json --name 'ours & yours' --name theirs --format " +
-               format);
+    const auto outcome = run_ok(
+        "vpr-eval compare good.json bad.json --name 'ours & yours' --name theirs --block 1 "
+        "--format " +
+        format);
     CHECK(outcome.err.empty());
     return outcome.out;
   };
@@ -301,25 +302,67 @@ TEST_CASE("the table of a paper has a row for each method, with the best values 
   CHECK(has(text, "ours & yours  0.8000*"));
   CHECK(has(text, "theirs        0.4000 "));
   CHECK_FALSE(has(text, "max F1"));
-  CHECK(has(table("latex"), "ours \\& yours & \\textbf{0.8000}"));
+  CHECK(has(table("latex"), "ours \\& yours & \\textbf{\\shortstack[r]{0.8000\\\\{\\scriptsize ["));
   CHECK(has(table("latex"), "\\label{tab:methods}"));
-  CHECK(has(table("markdown"), "| theirs | 0.4000 |"));
+  CHECK(has(table("markdown"), "| theirs | 0.4000 ["));
   const std::string csv = table("csv");
   CHECK(csv.starts_with("method,query,scores,window,R@1,R@5,R@10,R@20,P@1,"));
-  CHECK(has(csv, ",note,R@1 difference,R@1 low,R@1 high,R@5 difference,"));
+  CHECK(has(csv, ",note,R@1 own low,R@1 own high,R@1 difference,R@1 low,R@1 high,R@5 own low,"));
   CHECK(has(csv, "\ntheirs,queries,distance,1,0.4,"));
-  CHECK(has(csv, ",threshold from the ground truth,-0.4,"));
+  CHECK(has(csv, ",-0.4,"));
+}
+
+TEST_CASE("several data sets are groups of columns, with a row per method") {
+  write_report("good", 8);
+  write_report("bad", 4);
+  for (const std::string name : {"good", "bad"}) {
+    run_ok("vpr-eval matrix " + name + ".npy --query-name wide --data-set broad --name " + name +
+           " -o wide-" + name + ".json" + kAligned);
+    Json report = file_json(name + ".json");
+    report["name"] = name;
+    report["data_set"] = "narrow";
+    write_text("narrow-" + name + ".json", report.dump());
+  }
+  Json other = file_json("wide-good.json");  // other labels of its pairs
+  other["provenance"]["ground_truth"] = "xxh3:0000000000000000";
+  write_text("wide-good.json", other.dump());
+  const std::string compare =
+      "vpr-eval compare narrow-good.json wide-good.json narrow-bad.json --recall-at 1,7 ";
+  const std::string csv = run_ok(compare + "--format csv").out;
+  CHECK(csv.starts_with("method,narrow query,"));
+  for (const std::string column : {"narrow R@1", "narrow R@7", "broad R@7", "broad AP"})
+    CHECK(has(csv, "," + column + ","));
+  CHECK_FALSE(has(csv, "R@5"));
+  CHECK(has(run_ok(compare + "--format markdown").out, "| method | narrow R@1 | narrow R@7 |"));
+  const std::string latex = run_ok(compare + "--format latex").out;
+  CHECK(has(latex, "c}{narrow} & \\multicolumn{"));
+  CHECK(has(latex, "\\cmidrule(lr){2-"));
+  CHECK(has(latex, "\\caption{narrow: Differences to good over 10 frames"));
+  CHECK(has(latex, "\nbad & \\shortstack[r]{0.4000\\\\"));
+  const std::string text = run_ok(compare).out;
+  CHECK(has(text, "\n        narrow"));
+  CHECK(has(text, "\nnarrow: bad - good: R@1 -0.4000 (95 %: "));
+  CHECK(has(text, "\nbroad: R@1, 95 %, by blocks of "));
+  CHECK(report_of(compare + "-o c.json")["schema"] == "vpr.comparisons/5");
+  Json best = file_json("narrow-bad.json");  // best matches alone
+  best["outcomes"].erase("ranks");
+  write_text("best.json", best.dump());
+  CHECK(has(run_ok("vpr-eval compare best.json best.json --recall-at 1,7").err,
+            "recall@K is unknown for K = 7"));
+  run_ok(compare + "--html c.html --plot plots");
+  CHECK(has(read_text("c.html"), "<th scope=\"colgroup\" colspan=\""));
+  CHECK(list_folder("plots").size() == 9);
 }
 
 TEST_CASE("curves and paths of all methods are on one page and in one plot") {
   write_report("<good>", 8);
   write_report("bad", 4);
-  run_ok("vpr-eval compare <good>.json bad.json --html c.html --plot plots");
+  run_ok("vpr-eval compare <good>.json bad.json --block 1 --html c.html --plot plots");
   const std::string page = read_text("c.html");
   CHECK(has(page,
             "Best matches of 10 frames with a match are correct in 80.0 % by &lt;good&gt;, 40.0 % "
             "by bad."));
-  CHECK(has(page, "<b>0.8000</b>"));
+  CHECK(has(page, "<b>0.8000 ["));
   CHECK(has(page, "class=\"line series-1\""));
   CHECK(has(page, "stroke-dasharray:9 4"));  // methods differ without color
   CHECK(page.find("<svg class=\"lanes wide\"") < page.find("<table"));

@@ -1,8 +1,13 @@
 #include "evaluate/comparison.h"
 
+#include <cmath>
+#include <numeric>
+
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "base/random.h"
+#include "evaluate/intervals.h"
 #include "judgments.h"
 #include "support.h"
 
@@ -78,7 +83,8 @@ TEST_CASE("incomparable methods are refused") {
   const auto kind = [](const std::vector<NamedOutcomes>& methods) {
     return test::error_kind([&] { compare(methods); });
   };
-  CHECK(kind({method("cc")}) == ErrorKind::data);
+  CHECK(kind({}) == ErrorKind::data);
+  CHECK(kind({method("cc")}) == std::nullopt);
   CHECK(kind({method("cc"), method("ccc")}) == ErrorKind::data);
   CHECK(kind({method(""), method("")}) == ErrorKind::data);
   CHECK(kind({method("cw"), method("cn")}) == ErrorKind::data);
@@ -147,6 +153,92 @@ TEST_CASE("intervals equal the closed form for independent queries") {
   const double half = 1.96 * std::sqrt(0.2 * 0.8 / 500);
   CHECK(found.interval->low == Approx(0.2 - half).margin(0.006));
   CHECK(found.interval->high == Approx(0.2 + half).margin(0.006));
+}
+
+TEST_CASE("a method has an interval of its own, as in closed form for independent queries") {
+  std::string letters(500, 'w');
+  for (size_t i = 0; i < 500; i += 5) letters[i] = 'c';
+  const ComparedValue found = find(compare({method(letters)}, 1, 2000), "recall_at_1", 0);
+  const double half = 1.96 * std::sqrt(0.2 * 0.8 / 500);
+  CHECK(found.own->low == Approx(0.2 - half).margin(0.006));
+  CHECK(found.own->high == Approx(0.2 + half).margin(0.006));
+  CHECK_FALSE(found.is_best);  // there is no other
+}
+
+TEST_CASE("the best method is better than every other one beyond doubt") {
+  std::string best(200, 'c');
+  std::string close = best;
+  std::string worse = best;
+  close[7] = 'w';
+  for (size_t i = 0; i < 200; i += 4) worse[i] = 'w';
+  const auto is_best = [&](const std::vector<NamedOutcomes>& methods, size_t at) {
+    return find(compare(methods), "recall_at_1", at).is_best;
+  };
+  CHECK(is_best({method(worse), method(best)}, 1));
+  CHECK_FALSE(is_best({method(worse), method(best)}, 0));
+  for (const size_t at : {0, 1, 2})
+    CHECK_FALSE(is_best({method(worse), method(best), method(close)}, at));
+  CHECK_FALSE(is_best({method(best), method(best)}, 0));
+}
+
+namespace {
+
+// Politis and White 2004 with the correction of 2009, for the circular bootstrap, step by step.
+double own_block_length(const std::vector<double>& x) {
+  const size_t n = x.size();
+  const double mean = std::accumulate(x.begin(), x.end(), 0.0) / double(n);
+  std::vector<double> r(n);  // autocovariances
+  for (size_t k = 0; k < n; ++k)
+    for (size_t t = 0; t + k < n; ++t) r[k] += (x[t] - mean) * (x[t + k] - mean) / double(n);
+  const double bound = 2 * std::sqrt(std::log10(double(n)) / double(n));
+  const size_t few = std::max<size_t>(5, size_t(std::ceil(std::sqrt(std::log10(double(n))))));
+  const size_t limit = size_t(std::ceil(std::sqrt(double(n)))) + few;
+  size_t m = 0;  // lags m + 1 to m + few are not significant
+  while (m < limit - few) {
+    size_t last = m;
+    for (size_t k = m + 1; k <= m + few; ++k)
+      if (std::abs(r[k] / r[0]) > bound) last = k;
+    if (last == m) break;
+    m = last;
+  }
+  const size_t band = std::min(2 * std::max<size_t>(1, m), limit);
+  double g = 0;
+  double s = 0;
+  for (int k = -int(band); k <= int(band); ++k) {
+    const double at = std::abs(k) / double(band);
+    const double lambda = at <= 0.5 ? 1 : 2 * (1 - at);
+    g += lambda * std::abs(k) * r[size_t(std::abs(k))];
+    s += lambda * r[size_t(std::abs(k))];
+  }
+  const double b = std::pow(2 * g * g / (4.0 / 3 * s * s), 1.0 / 3) * std::pow(double(n), 1.0 / 3);
+  return std::clamp(b, 1.0, std::ceil(std::min(3 * std::sqrt(double(n)), double(n) / 3)));
+}
+
+}  // namespace
+
+TEST_CASE("blocks are as long as the autocorrelation demands") {
+  RandomEngine random = named_engine(3, "blocks");
+  for (const uint64_t stay : {1, 4, 15, 40}) {  // mean length of runs of correct best matches
+    std::vector<double> series;
+    double value = 0;
+    while (series.size() < 600) {
+      if (uniform_below(random, stay) == 0) value = double(uniform_below(random, 2));
+      series.push_back(value);
+    }
+    INFO(stay);
+    CHECK(block_length(series) == Approx(own_block_length(series)).epsilon(1e-9));
+    CHECK((stay == 1 ? block_length(series) < 6 : block_length(series) > double(stay) / 2));
+  }
+  CHECK(block_length(std::vector<double>(100, 1.0)) == 1);
+  CHECK(block_length(std::vector<double>{0, 1}) == 1);
+  // A comparison takes the longest one.
+  std::string runs;
+  for (int i = 0; i < 400; ++i) runs += i / 40 % 2 == 0 ? 'c' : 'w';
+  std::vector<double> correct;
+  for (const char letter : runs) correct.push_back(letter == 'c' ? 1 : 0);
+  const auto expected = size_t(std::ceil(block_length(correct)));
+  CHECK(expected > 10);
+  CHECK(compare({method(runs), method(std::string(400, 'c'))}, 0).block == expected);
 }
 
 TEST_CASE("pairing makes the interval of a difference narrower than its parts") {

@@ -251,6 +251,11 @@ TEST_CASE(
   CHECK(risk_coverage_area(curve_from({{1, true}, {2, true}}, 9)).value == 0);
   CHECK(risk_coverage_area(curve_from({{1, false}, {2, false}}, 9)).value == 1);
   CHECK_FALSE(risk_coverage_area(curve_from({}, 3)).value);
+  // Recall over the correct items: of 4 positives 2 have a score, at precisions 1 and 2/3.
+  const auto of_correct = find_metric("average_precision_of_correct").of_curve;
+  CHECK(*of_correct(curve_from({{1, true}, {2, false}, {3, true}}, 4)).value ==
+        Approx((1 + 2 / 3.0) / 2));
+  CHECK_FALSE(of_correct(curve_from({{1, false}}, 4)).value);
   RandomEngine engine(3);
   std::vector<Scored> many;
   for (size_t i = 0; i < 40; ++i)

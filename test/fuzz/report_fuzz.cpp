@@ -15,18 +15,19 @@ Report read_report(const std::filesystem::path& path) {
   return parse_report(read_json(path, ErrorKind::data), path.string());
 }
 
-void compare(std::vector<Report> reports) {
-  name_rows(reports, {"a.json", "b.json"});
+void compare(const std::vector<Report>& reports) {
   for (const bool only_common : {false, true}) {
     fuzz::refuses([&] {
-      ComparisonReport comparison{reports, {}, {}, {}};
-      comparison.settings = {3, 5, 1, only_common, only_common};
-      compare_reports(comparison, {});
-      comparison_json(comparison);
-      comparison_text(comparison);
+      std::vector<ComparisonReport> sets = by_data_set(reports, {"a.json", "b.json"});
+      for (ComparisonReport& set : sets) {
+        set.settings = {3, 5, 1, only_common, only_common};
+        compare_reports(set, {});
+      }
+      comparisons_json(sets);
+      comparison_text(sets);
       for (const TableFormat format : {TableFormat::text, TableFormat::csv, TableFormat::latex})
-        comparison_tables(comparison, format);
-      comparison_page(comparison);
+        comparison_tables(sets, format);
+      comparison_page(sets);
     });
   }
 }

@@ -19,6 +19,29 @@ TEST_CASE("a text table aligns numbers to the right, by characters") {
         "\xc3\xa4       123\n");
 }
 
+TEST_CASE("tables side by side have groups of columns, and a row for each name") {
+  const Table one = {
+      "o: all; sums", {"method", "R", "S"}, {{"a", "1", "2"}, {"b", "3", "4"}}, {{1, 2}}};
+  const Table two = {"t: some; sums", {"method", "R"}, {{"c", "5"}, {"b", "6"}}, {}, {},
+                     {"b: late"}};
+  const Table both = joined_tables({{"one", one}, {"long name", two}});
+  CHECK(render_table(both, TableFormat::text) ==
+        "o: all; sums; t: some\n"
+        "        one    long name\n"
+        "method  R   S  R\n"
+        "----------------\n"
+        "a       1  2   -\n"
+        "b       3  4*  6\n"
+        "c       -  -   5\n"
+        "* the best\n"
+        "long name: b: late\n");
+  CHECK(render_table(both, TableFormat::csv) ==
+        "method,one R,one S,long name R\na,1,2,-\nb,3,4,6\nc,-,-,5\n");
+  CHECK(test::has(render_table(both, TableFormat::latex),
+                  "\\toprule\n & \\multicolumn{2}{c}{one} & \\multicolumn{1}{c}{long name} \\\\\n"
+                  "\\cmidrule(lr){2-3}\\cmidrule(lr){4-4}\nmethod & R & S & R \\\\\n"));
+}
+
 TEST_CASE("notes are lines below a table, comments in LaTeX, and not in CSV") {
   const Table table = {"", {"n"}, {{"7"}}, {}, {}, {"a: this\nthat"}};
   CHECK(render_table(table, TableFormat::text) == "n\n-\n7\na: this\\x0athat\n");

@@ -268,7 +268,8 @@ class Comparison(Fields):
         return str(self._made.table())
 
     def __repr__(self) -> str:
-        return f"<vpr.Comparison of {len(self.reports)} reports>"
+        reports = sum(len(one.comparison.reports) for one in getattr(self, "comparisons", []))
+        return f"<vpr.Comparison of {reports or len(self.reports)} reports>"
 
     def _repr_html_(self) -> str:
         return _framed(self._made.page())
@@ -461,11 +462,12 @@ def distances(db: Database, query: Source, *, progress: Progress = None,
 
 
 def compare(reports: Any, *, progress: Progress = None, **settings: object) -> Comparison:
-    """Compares reports on the same queries, as vpr-eval compare: metrics side by side, and
-    differences to the first report with 95 % intervals.
+    """Compares reports, as vpr-eval compare: metrics side by side, and differences to the first
+    report of a data set with 95 % intervals. Of several data sets, comparisons has one comparison
+    each.
 
     reports: a list, or a mapping from names; reports of evaluate, or paths of report files.
-    Settings: block, common and allow_different.
+    Settings: block, recall_at, common and allow_different.
 
     >>> db = vpr.train(descriptors=monday)
     >>> found = {"filter": {}, "windows": {"c_l": 5, "t_r": 0.5}}
