@@ -32,7 +32,7 @@ judge() {
 same_bytes() {
   query --query tuesday --threads 1 --quiet --force -o one.json
   query --query tuesday --threads 4 --quiet --force -o four.json
-  for array in one.*.npy; do cmp "$array" "four.${array#one.}"; done
+  cmp one.npz four.npz
   echo equal
 }
 # A camera that stands still, at every fifth frame of the lap.

@@ -206,8 +206,7 @@ struct Inputs {
       return;
     }
     add_sequence(argument);
-    if (argument.path.extension() == ".json")
-      for (const auto& array : array_paths(argument.path)) outputs.protect(array);
+    if (argument.path.extension() == ".json") outputs.protect(array_path(argument.path));
   }
 
   // Values of all arguments and flags: sequences with their frames, databases with their files,

@@ -110,17 +110,17 @@ class Result:
         with tempfile.TemporaryDirectory(dir=options.work) as folder:
             run("vpr-query", case.database, "--query", case.query, *flags, *replay, "-o", f"{folder}/r.json")
             description = json.loads(pathlib.Path(f"{folder}/r.json").read_text())
-            read = lambda name: np.load(f"{folder}/r.{name}.npy")
-            best, recognized, keyframes = read("best"), read("recognitions"), read("keyframes")
+            arrays = dict(np.load(f"{folder}/r.npz"))
+            best, recognized, keyframes = arrays["best"], arrays["recognitions"], arrays["keyframes"]
             self.frames = description["query"]["frames"]
             self.train_frames = description["sequences"][0]["frames"]
             self.train_keyframes = keyframes[keyframes[:, 0] == 0, 1]
             self.query_keyframes = keyframes[keyframes[:, 0] == -1, 1]
-            self.source = read("source_frames") if replay else np.arange(self.frames)
-            confidence = -read("best_scores") if method == "FastABLE" else read("margins")
+            self.source = arrays["source_frames"] if replay else np.arange(self.frames)
+            confidence = -arrays["best_scores"] if method == "FastABLE" else arrays["margins"]
             self.reversed_frames = description["totals"].get("reversed_frames", 0)
             if method == "filter":
-                self.decided = read("path")[:, 2]
+                self.decided = arrays["path"][:, 2]
         found = best[:, 2] >= 0
         query, train = best[:, 0] + length - 1, best[:, 2] + length - 1
         self.known = case.on_map(self)

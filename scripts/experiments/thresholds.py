@@ -11,6 +11,7 @@ import json
 import pathlib
 import subprocess
 import tempfile
+import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 parser = argparse.ArgumentParser(description=__doc__)
@@ -85,7 +86,7 @@ def right_windows(key, truth):
     """Query windows with a correct recognition."""
     result = json.loads((out / f"{key}.json").read_text())
     last = result["settings"]["c_l"] - 1
-    data = (out / f"{key}.recognitions.npy").read_bytes()
+    data = zipfile.ZipFile(out / f"{key}.npz").read("recognitions.npy")
     numbers = array.array("i", data[10 + int.from_bytes(data[8:10], "little"):])
     same = {tuple(line.split(",")[:2]) for line in truth.read_text().splitlines() if line.endswith("same")}
     return len({query for query, train in zip(numbers[0::3], numbers[2::3])

@@ -178,7 +178,7 @@ class Laboratory:
         return self.written(report)
 
     def keep_result(self, stem):
-        """Renames the last result and its companions; returns its path."""
+        """Renames the last result and its arrays; returns its path."""
         for file in self.work.glob("result.*"):
             file.replace(self.work / (stem + file.name.removeprefix("result")))
         return self.work / f"{stem}.json"

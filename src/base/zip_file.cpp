@@ -1,5 +1,8 @@
 #include "base/zip_file.h"
 
+#include <algorithm>
+#include <array>
+#include <cassert>
 #include <cstring>
 
 #include <zip.h>
@@ -61,6 +64,45 @@ std::string written_bytes(zip_source_t* source) {
   return bytes;
 }
 
+// CRC-32 (polynomial 0xedb88320) of bytes that follow those of `crc`; 0 at the beginning.
+uint32_t crc_of(uint32_t crc, std::span<const std::byte> bytes) {
+  static constexpr auto kTable = [] {
+    std::array<uint32_t, 256> table{};
+    for (uint32_t i = 0; i < table.size(); ++i) {
+      table[i] = i;
+      for (int bit = 0; bit < 8; ++bit)
+        table[i] = table[i] >> 1 ^ (table[i] % 2 != 0 ? 0xedb88320 : 0);
+    }
+    return table;
+  }();
+  crc = ~crc;
+  for (const std::byte byte : bytes) crc = crc >> 8 ^ kTable[(crc ^ uint32_t(byte)) & 255];
+  return ~crc;
+}
+
+constexpr uint64_t kAlignment = 64;     // of the bytes of a file in its archive
+constexpr uint64_t kMost = 0xffffffff;  // without zip64; itself the mark of zip64
+constexpr int kVersion = 20;            // that a reader needs
+constexpr int kZip64Version = 45;
+constexpr int kDate = 0x21;  // 1 January 1980
+
+/// Little-endian fields of a zip archive.
+struct ZipFields {
+  std::string bytes;
+
+  ZipFields& add(int size, uint64_t value) {
+    for (int i = 0; i < size; ++i) bytes += static_cast<char>(value >> 8 * i & 255);
+    return *this;
+  }
+  // The fields that a file has in its own header and in the directory.
+  ZipFields& add_file(bool is_large, uint64_t size, uint32_t crc, size_t name, size_t extra) {
+    add(2, is_large ? kZip64Version : kVersion).add(2, 0).add(2, 0);  // no flags, stored
+    add(2, 0).add(2, kDate).add(4, crc);
+    add(4, is_large ? kMost : size).add(4, is_large ? kMost : size);
+    return add(2, name).add(2, extra);
+  }
+};
+
 }  // namespace
 
 ZipFile::ZipFile(const std::filesystem::path& path) : where_(path.string()), file_(path) {
@@ -115,13 +157,65 @@ std::string zip_archive(std::vector<ZipContent> contents) {
       zip_discard(archive);
       require(false, "add");
     }
-    zip_file_set_dostime(archive, static_cast<zip_uint64_t>(index), 0, 0x21, 0);  // 1 January 1980
+    zip_file_set_dostime(archive, static_cast<zip_uint64_t>(index), 0, kDate, 0);
   }
   if (zip_close(archive) != 0) {
     zip_discard(archive);
     require(false, "close");
   }
   return written_bytes(target);
+}
+
+void ZipWriter::add(const std::string& name,
+                    std::initializer_list<std::span<const std::byte>> parts) {
+  Added added{name, position_, 0, 0};
+  for (const auto part : parts) {
+    added.size += part.size();
+    added.crc = crc_of(added.crc, part);
+  }
+  const bool is_large = added.size >= kMost;
+  constexpr size_t kHeader = 30;
+  ZipFields extra;
+  if (is_large) extra.add(2, 1).add(2, 16).add(8, added.size).add(8, added.size);
+  // Android's field of an alignment, which has any number of zeros at its end.
+  const uint64_t end = position_ + kHeader + name.size() + extra.bytes.size() + 6;
+  const size_t zeros = (kAlignment - end % kAlignment) % kAlignment;
+  extra.add(2, 0xd935).add(2, 2 + zeros).add(2, kAlignment);
+  extra.bytes.append(zeros, '\0');
+  ZipFields header;
+  header.add(4, 0x04034b50)
+      .add_file(is_large, added.size, added.crc, name.size(), extra.bytes.size());
+  const std::string start = header.bytes + name + extra.bytes;
+  file_.write(start);
+  for (const auto part : parts) file_.write(part);
+  position_ += start.size() + added.size;
+  added_.push_back(std::move(added));
+}
+
+void ZipWriter::finish() {
+  ZipFields directory;
+  for (const Added& added : added_) {
+    const bool is_large = added.size >= kMost || added.offset >= kMost;
+    ZipFields extra;
+    if (is_large) extra.add(2, 1).add(2, 24).add(8, added.size).add(8, added.size);
+    if (is_large) extra.add(8, added.offset);
+    directory.add(4, 0x02014b50).add(2, kZip64Version);
+    directory.add_file(is_large, added.size, added.crc, added.name.size(), extra.bytes.size());
+    directory.add(2, 0).add(2, 0).add(2, 0).add(4, 0);  // no comment, no attributes
+    directory.add(4, is_large ? kMost : added.offset);
+    directory.bytes += added.name + extra.bytes;
+  }
+  const uint64_t size = directory.bytes.size();
+  const size_t count = added_.size();
+  assert(count < 65535);
+  if (position_ >= kMost) {
+    directory.add(4, 0x06064b50).add(8, 44).add(2, kZip64Version).add(2, kZip64Version);
+    directory.add(4, 0).add(4, 0).add(8, count).add(8, count).add(8, size).add(8, position_);
+    directory.add(4, 0x07064b50).add(4, 0).add(8, position_ + size).add(4, 1);
+  }
+  directory.add(4, 0x06054b50).add(2, 0).add(2, 0).add(2, count).add(2, count);
+  directory.add(4, size).add(4, std::min(position_, kMost)).add(2, 0);
+  file_.write(directory.bytes);
 }
 
 }  // namespace vpr

@@ -1,13 +1,17 @@
 // Zip archives, such as NumPy's .npz files: entries are read in sequence, lengths are not trusted.
+// Equal content is written as equal bytes, with the earliest date that zip supports.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/mapped_file.h"
+#include "base/output.h"
 
 struct zip;
 struct zip_file;
@@ -56,8 +60,30 @@ struct ZipContent {
   std::function<size_t(std::span<std::byte> bytes)> fill;
 };
 
-/// The bytes of an archive with these files, deflated, with the earliest date that zip supports:
-/// equal content yields equal bytes. Throws Error(internal) if libzip fails.
+/// The bytes of an archive with these files, deflated. Throws Error(internal) if libzip fails.
 std::string zip_archive(std::vector<ZipContent> contents);
+
+/// Writes an archive whose files are not deflated. Each begins at a multiple of 64 bytes, so that
+/// it can be mapped into memory. Sizes from 4 GiB are written as zip64.
+class ZipWriter {
+ public:
+  explicit ZipWriter(Output& file) : file_(file) {}
+  /// Writes a file of these parts. `name`: at most 65535 bytes of ASCII.
+  void add(const std::string& name, std::initializer_list<std::span<const std::byte>> parts);
+  /// Writes the directory, once, after all files.
+  void finish();
+
+ private:
+  struct Added {
+    std::string name;
+    uint64_t offset = 0;
+    uint64_t size = 0;
+    uint32_t crc = 0;
+  };
+
+  Output& file_;
+  uint64_t position_ = 0;
+  std::vector<Added> added_;
+};
 
 }  // namespace vpr

@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/npy.h"
+#include "base/zip_file.h"
 #include "query/score_layout.h"
 
 namespace vpr {
@@ -24,6 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kPieceBytes = size_t{1} << 26;  // of a large file in memory
+constexpr size_t kReadBytes = size_t{1} << 20;   // of an array whose length is not known yet
+constexpr size_t kMostRows = size_t{1} << 48;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostSum = 4294967295.0;  // over a window
 constexpr uint32_t kNoIndex = std::numeric_limits<uint32_t>::max();
@@ -300,18 +303,33 @@ void for_each_array(const auto& body) {
   for (const auto& array : kArrays) std::visit(body, array);
 }
 
-}  // namespace
-
-fs::path array_path(const fs::path& result, const std::string& name) {
-  fs::path path = result;
-  if (path.extension() == ".json") path.replace_extension();
-  return path += "." + name + ".npy";
+std::string header_of(std::string_view type, size_t rows, size_t columns) {
+  std::vector<size_t> shape = {rows};
+  if (columns > 1) shape.push_back(columns);
+  return npy_header(type, shape);
 }
 
-std::vector<fs::path> array_paths(const fs::path& result) {
-  std::vector<fs::path> paths;
-  for_each_array([&](const auto& array) { paths.push_back(array_path(result, array.name)); });
-  return paths;
+// At most `most` bytes of a file in an archive; empty if there is no such file.
+std::vector<std::byte> read_content(ZipFile& archive, const std::string& name, size_t most) {
+  std::vector<std::byte> bytes;
+  const auto found = std::ranges::find(archive.names(), name);
+  if (found == archive.names().end()) return bytes;
+  ZipFile::Entry entry(archive, static_cast<size_t>(found - archive.names().begin()));
+  size_t end = 0;
+  for (size_t count = 1; count > 0 && end < most; end += count) {
+    bytes.resize(std::min(most, end + kReadBytes));
+    count = entry.read(std::span(bytes).subspan(end));
+  }
+  bytes.resize(end);
+  return bytes;
+}
+
+}  // namespace
+
+fs::path array_path(const fs::path& result) {
+  fs::path path = result;
+  if (path.extension() == ".json") path.replace_extension();
+  return path += ".npz";
 }
 
 std::string file_checksum(const fs::path& path, const Monitor& monitor) {
@@ -336,49 +354,55 @@ void visit_arrays(const Result& result, const std::function<void(const ResultArr
   });
 }
 
-void write_arrays(const fs::path& path, const Result& result, FileEntries& entries,
-                  Outputs* outputs) {
+void write_arrays(const Result& result, FileEntries& entries, Output* file) {
+  std::optional<ZipWriter> archive;
+  if (file != nullptr) archive.emplace(*file);
   visit_arrays(result, [&](const ResultArray& array) {
-    std::vector<size_t> shape = {array.rows};
-    if (array.columns.size() > 1) shape.push_back(array.columns.size());
-    const std::string header = npy_header(array.type, shape);
+    const std::string header = header_of(array.type, array.rows, array.columns.size());
+    const auto start = std::as_bytes(std::span(header));
     ChecksumStream sum;
-    sum.add(std::as_bytes(std::span(header)));
+    sum.add(start);
     sum.add(array.values);
     entries[array.name] = {array.rows, sum.text()};
-    if (outputs == nullptr) return;
-    Output& file = outputs->file(array_path(path, array.name));
-    file.write(header);
-    file.write(array.values);
+    if (archive) archive->add(array.name + ".npy", {start, array.values});
   });
+  if (archive) archive->finish();
 }
 
 void read_arrays(const fs::path& path, const FileEntries& entries, const JsonSource& source,
                  Result& result) {
+  const fs::path file = array_path(path);
+  std::error_code unknown;
+  if (!fs::exists(file, unknown))
+    throw Error(ErrorKind::input, "{} needs {} next to it", path.string(),
+                file.filename().string());
+  ZipFile archive(file);
   for_each_array([&]<class T>(const ArrayFormat<T>& array) {
+    const std::string name = array.name + std::string(".npy");
     const auto entry = entries.find(array.name);
     if (entry == entries.end()) {
-      if (array.values(result)) source.fail(fmt::format("it has no {}.npy", array.name));
+      if (array.values(result)) source.fail(fmt::format("it has no {}", name));
       return;
     }
     const Refuse refuse = [&](std::string_view damage) {
-      source.fail(fmt::format("{}.npy {}", array.name, damage));
+      source.fail(fmt::format("{} {}", name, damage));
     };
-    const fs::path file = array_path(path, array.name);
-    std::error_code unknown;
-    if (!fs::exists(file, unknown))
-      throw Error(ErrorKind::input, "{} needs {} next to it", path.string(),
-                  file.filename().string());
-    const NpyArray read(file);
-    if (checksum(read.file_bytes()) != entry->second.checksum)
-      throw Error(ErrorKind::data,
-                  "{}: belongs to another run than its .json file, or is damaged; run vpr-query "
-                  "again, with --force",
-                  file.string());
     const size_t columns = columns_of(array, result).size();
-    const auto values = read.values<T>(columns == 1 ? 1 : 2);
-    if (columns > 1 && read.shape()[1] != columns) refuse("has other columns");
-    array.read(result, values, refuse);
+    const size_t rows = entry->second.rows;
+    if (rows > kMostRows) refuse("has too many rows");
+    const std::string header = header_of(npy_type<T>(), rows, columns);
+    const size_t size = header.size() + sizeof(T) * columns * rows;
+    const std::vector<std::byte> bytes = read_content(archive, name, size + 1);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (checksum(text) != entry->second.checksum)
+      throw Error(ErrorKind::data,
+                  "{}, {}: belongs to another run than {}, or is damaged; run vpr-query again, "
+                  "with --force",
+                  file.string(), name, path.filename().string());
+    if (text.size() != size || !text.starts_with(header))
+      refuse("has another type or other rows or columns");
+    array.read(result, {reinterpret_cast<const T*>(bytes.data() + header.size()), columns * rows},
+               refuse);
   });
 }
 

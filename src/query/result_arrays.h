@@ -1,4 +1,4 @@
-// The arrays of a result file, RESULT.NAME.npy.
+// The arrays of a result file, RESULT.npz: one .npy file per array, not compressed.
 #pragma once
 
 #include <filesystem>
@@ -26,11 +26,8 @@ VPR_FIELDS(FileEntry, rows, checksum)
 /// By name, in the order in which they were written.
 using FileEntries = nlohmann::ordered_map<std::string, FileEntry>;
 
-/// RESULT.recognitions.npy for RESULT.json and "recognitions".
-std::filesystem::path array_path(const std::filesystem::path& result, const std::string& name);
-
-/// The files that a result may have.
-std::vector<std::filesystem::path> array_paths(const std::filesystem::path& result);
+/// RESULT.npz for RESULT.json.
+std::filesystem::path array_path(const std::filesystem::path& result);
 
 /// The checksum of a file, which may be larger than memory.
 std::string file_checksum(const std::filesystem::path& path, const Monitor& monitor = {});
@@ -43,15 +40,15 @@ struct ResultArray {
   std::span<const std::byte> values;      ///< row by row; valid during the visit
 };
 
-/// Visits the arrays of a result in the order of their files.
+/// Visits the arrays of a result in the order of their file.
 void visit_arrays(const Result& result, const std::function<void(const ResultArray&)>& visit);
 
-/// Adds the entries of the arrays, and writes them if there are outputs.
-void write_arrays(const std::filesystem::path& path, const Result& result, FileEntries& entries,
-                  Outputs* outputs);
+/// Adds the entries of the arrays, and writes the arrays unless `file` is null.
+void write_arrays(const Result& result, FileEntries& entries, Output* file);
 
-/// Reads the arrays into a result that has everything else except clusters. Throws Error(input) if
-/// a file is missing, and an error of `source` for damage and values out of range.
+/// Reads the arrays of `path` into a result that has everything else except clusters. Throws
+/// Error(input) if their file is missing, and Error(data) or an error of `source` for damage and
+/// values out of range.
 void read_arrays(const std::filesystem::path& path, const FileEntries& entries,
                  const JsonSource& source, Result& result);
 

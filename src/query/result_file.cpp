@@ -210,8 +210,13 @@ void check_companions(const fs::path& result, const ResultContext& context,
 }  // namespace
 
 void claim_result(const fs::path& path, Outputs& outputs) {
+  if (path.extension() == ".npz")
+    throw Error(ErrorKind::usage,
+                "{}: is the name of the arrays. Use a name that ends with .json; the arrays are "
+                "written next to it.",
+                path.string());
   outputs.claim_file(path);
-  for (const fs::path& array : array_paths(path)) outputs.claim_file(array);
+  outputs.claim_file(array_path(path));
 }
 
 std::string result_checksum(Json json) {
@@ -232,7 +237,7 @@ Json write_result(const fs::path& path, const Result& result, ResultContext cont
     context.companions[file->path().filename().string()] =
         known != context.checksums.end() ? known->second : file_checksum(file->temporary());
   }
-  write_arrays(path, result, context.files, &outputs);
+  write_arrays(result, context.files, &outputs.file(array_path(path)));
   Json json = result_json(result, context);
   json["checksum"] = result_checksum(json);
   outputs.file(path).write(to_text(json));
@@ -245,6 +250,8 @@ Json read_result_json(const fs::path& path) {
   if (fs::is_directory(path, ignored))
     throw Error(ErrorKind::data, "{}: is a {}. Pass a result of vpr-query (.json).", where,
                 fs::exists(path / kManifestName, ignored) ? "database" : "folder");
+  if (path.extension() == ".npz")
+    throw Error(ErrorKind::data, "{}: holds the arrays of a result. Pass its .json file.", where);
   Json json = read_json(path, ErrorKind::data);
   require_schema(json, "result", where, ErrorKind::data);
   const Fields fields(json, where);
@@ -283,7 +290,7 @@ StoredResult read_result(const fs::path& path, const Monitor& monitor) {
 
 std::string fingerprint_of(const StoredResult& stored) {
   ResultContext context = stored.context;
-  write_arrays("", stored.result, context.files, nullptr);
+  write_arrays(stored.result, context.files, nullptr);
   return result_checksum(result_json(stored.result, context));
 }
 

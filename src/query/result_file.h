@@ -1,4 +1,4 @@
-// Result files (vpr.result/4): RESULT.json and its arrays, such as RESULT.recognitions.npy.
+// Result files (vpr.result): RESULT.json and its arrays, RESULT.npz.
 #pragma once
 
 #include <filesystem>
@@ -34,7 +34,7 @@ struct ResultContext {
   std::shared_ptr<const std::vector<TrainSequence>> train = {};
 };
 
-/// Claims the result and its companions.
+/// Claims the result and its arrays.
 void claim_result(const std::filesystem::path& path, Outputs& outputs);
 
 /// The checksum of everything but "machine", "timing" and the checksum itself.

@@ -3,6 +3,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "npz.h"
 #include "query/live_lines.h"
 #include "world.h"
 
@@ -122,7 +123,7 @@ TEST_CASE("--method filter alone recognizes a route at its speed and at double s
     CHECK(report["protocol"]["pairs"] ==
           "best matches with a path score better than the runner-up by at least the margin");
     // The last frame's rate: both sequences have the same speed.
-    const auto values = read_array<double>("r0.path.npy");
+    const auto values = npz_array<double>("r0.npz", "path");
     CHECK(values[values.size() - 3] == Approx(1).epsilon(0.3));
     // The result's settings reproduce it, also with other threads and another SIMD target.
     const auto again = query(back + " --config " + path + " --threads 3 --json",

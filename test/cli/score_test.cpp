@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include "npz.h"
 #include "world.h"
 
 using namespace vpr;
@@ -63,13 +64,12 @@ TEST_CASE("unreadable frames have no score, also in the matrix, and no metric co
            {"raw", -1}, {"zscore --t-r 0", std::numeric_limits<int32_t>::min()}}) {
     INFO(score);
     ok(query("--skip-unreadable --save-matrix m.npy --force -o r.json --score " + score));
-    const NpyArray best("r.best.npy");
-    const auto rows = best.values<int32_t>(2);
-    const auto scores = read_array<double>("r.best_scores.npy");
+    const auto rows = npz_array<int32_t>("r.npz", "best");
+    const auto scores = npz_array<double>("r.npz", "best_scores");
     const NpyArray matrix("m.npy");
     const auto cells = matrix.values<int32_t>(2);
     const size_t cols = matrix.shape()[1];
-    for (size_t window = 0; window < best.shape()[0]; ++window) {
+    for (size_t window = 0; window < scores.size(); ++window) {
       const bool broken = window >= 3 && window <= 5;
       const auto row = cells.subspan(window * cols, cols);
       CHECK((rows[3 * window + 1] == -1) == broken);

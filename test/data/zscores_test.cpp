@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "npz.h"
 #include "query/open.h"
 #include "query/prepare.h"
 #include "reference/verified_query.h"
@@ -22,8 +23,8 @@ struct Early {
 };
 
 Early recognized(const fs::path& folder, int tolerance) {
-  const auto values = read_array<int32_t>(folder / "r.best.npy");
-  const auto scores = read_array<double>(folder / "r.best_scores.npy");
+  const auto values = npz_array<int32_t>(folder / "r.npz", "best");
+  const auto scores = npz_array<double>(folder / "r.npz", "best_scores");
   struct Row {
     double score;
     bool right;
@@ -118,8 +119,8 @@ TEST_CASE("a stop of one minute in the corridor changes no score before or after
   const auto best_rows = [&](const fs::path& query, const std::string& name) {
     run_ok("vpr-query", {"d.vprdb", "--query", query, "--score", "zscore", "--t-r", "0", "--c-l",
                          std::to_string(kLength), "-o", (name + ".json")});
-    const auto values = read_array<int32_t>((name + ".best.npy"));
-    const auto scores = read_array<double>((name + ".best_scores.npy"));
+    const auto values = npz_array<int32_t>(name + ".npz", "best");
+    const auto scores = npz_array<double>(name + ".npz", "best_scores");
     std::vector<std::array<double, 3>> rows;  // target, window and score
     for (size_t i = 0; i < scores.size(); ++i)
       rows.push_back({double(values[3 * i + 1]), double(values[3 * i + 2]), scores[i]});

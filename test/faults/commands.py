@@ -81,14 +81,10 @@ class Writer:
         return self.command.split()[0]
 
 
-def result(name, also=()):
-    return tuple(f"{name}.{kind}" for kind in ("json", "recognitions.npy", "recognition_scores.npy", "best.npy", "best_scores.npy") + also)
-
-
 PAIRS = "--ground-truth in/walks/back.ground_truth.csv"
 ALIGNED = "--ground-truth aligned --tolerance 2"  # of databases with one sequence
-SEQUENCE_RESULT = result("r", ("margins.npy", "keyframes.npy"))
-FABMAP_RESULT = result("f", ("new_place.npy",)) + ("p.npy",)
+SEQUENCE_RESULT = ("r.json", "r.npz")
+FABMAP_RESULT = ("f.json", "f.npz", "p.npy")
 TRAIN = {"train": ("in/walks/one", "in/walks/two")}
 QUERY = {"query": ("in/walks/two", "in/walks/back")}
 INFO = (Reader(("d.vprdb",), "vpr-train info out/d.vprdb"),)

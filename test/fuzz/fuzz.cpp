@@ -8,6 +8,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "base/zip_file.h"
+
 namespace vpr::fuzz {
 namespace {
 
@@ -79,6 +81,19 @@ const std::string* find_part(const std::vector<Part>& parts, std::string_view na
   for (const Part& part : parts)
     if (part.name == name) return &part.bytes;
   return nullptr;
+}
+
+std::string packed(const std::vector<Part>& parts) {
+  std::vector<ZipContent> contents;
+  for (const Part& part : parts)
+    contents.push_back(
+        {part.name, [rest = std::string_view(part.bytes)](std::span<std::byte> bytes) mutable {
+           const size_t count = std::min(bytes.size(), rest.size());
+           std::copy_n(reinterpret_cast<const std::byte*>(rest.data()), count, bytes.begin());
+           rest.remove_prefix(count);
+           return count;
+         }});
+  return zip_archive(std::move(contents));
 }
 
 fs::path folder_of(const std::vector<Part>& parts) {

@@ -34,6 +34,9 @@ const std::string* find_part(const std::vector<Part>& parts, std::string_view na
 /// The path of the process's own folder, with exactly these files.
 std::filesystem::path folder_of(const std::vector<Part>& parts);
 
+/// The bytes of a zip archive of these files.
+std::string packed(const std::vector<Part>& parts);
+
 /// Ends the process with a finding unless `good`.
 void require(bool good);
 

@@ -1,6 +1,4 @@
 // An archive of matrices as ground truth: raw bytes, and parts packed with valid checksums.
-#include <algorithm>
-
 #include "base/zip_file.h"
 #include "fuzz.h"
 #include "truth/ground_truth.h"
@@ -8,19 +6,6 @@
 using namespace vpr;
 
 namespace {
-
-std::string pack(const std::vector<fuzz::Part>& parts) {
-  std::vector<ZipContent> contents;
-  for (const fuzz::Part& part : parts)
-    contents.push_back(
-        {part.name, [rest = std::string_view(part.bytes)](std::span<std::byte> bytes) mutable {
-           const size_t count = std::min(bytes.size(), rest.size());
-           std::copy_n(reinterpret_cast<const std::byte*>(rest.data()), count, bytes.begin());
-           rest.remove_prefix(count);
-           return count;
-         }});
-  return zip_archive(std::move(contents));
-}
 
 void read_files(const std::filesystem::path& path) {
   ZipFile archive(path);
@@ -43,8 +28,8 @@ void read_matrix(const std::filesystem::path& path) {
 
 void fuzz::run(std::string_view input) {
   const std::vector<Part> parts = split_parts(input);
-  const std::string packed = parts.empty() ? std::string(input) : pack(parts);
-  const std::filesystem::path path = memory_file(packed);
+  const std::string archive = parts.empty() ? std::string(input) : fuzz::packed(parts);
+  const std::filesystem::path path = memory_file(archive);
   refuses([&] { read_files(path); });
   refuses([&] { read_matrix(path); });
 }

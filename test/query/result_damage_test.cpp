@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "npz.h"
 #include "query/result_examples.h"
 
 using namespace vpr;
@@ -27,37 +28,46 @@ TEST_CASE("a modified result of places is refused") {
   }
 }
 
-TEST_CASE("companions of another run are refused") {
+TEST_CASE("arrays of another run are refused") {
   const test::TemporaryFolder other;
   const fs::path path = write_example();
   Result changed = example_result();
   changed.recognitions.pop_back();
   write(other / "r.json", changed, Existing::refuse);
-  fs::copy_file(other / "r.recognitions.npy", "r.recognitions.npy",
-                fs::copy_options::overwrite_existing);
+  fs::copy_file(other / "r.npz", "r.npz", fs::copy_options::overwrite_existing);
   CHECK(has(test::error_text([&] { read_result(path); }), "belongs to another run"));
-  fs::remove("r.recognitions.npy");
+  fs::remove("r.npz");
   CHECK(test::error_kind([&] { read_result(path); }) == ErrorKind::input);
 }
 
 TEST_CASE("damage in any array of a result is detected") {
-  for (const std::string folder : {"frames", "places"}) {
-    fs::create_directory(folder);
-    const fs::path path = folder + "/r.json";
-    write(path, folder == "places" ? places_example() : example_result(), Existing::refuse);
-    for (const std::string& name : list_folder(folder)) {
-      if (name == "r.json") continue;
-      const std::string whole = read_text(path.parent_path() / name);
-      std::string bit = whole;
-      bit.back() = static_cast<char>(bit.back() ^ 1);
-      for (const std::string& text : {whole.substr(0, whole.size() / 2), std::string(), bit}) {
-        write_text(path.parent_path() / name, text);
-        INFO(name);
-        CHECK(error_kind([&] { read_result(path); }) == ErrorKind::data);
+  for (const Result& result : {example_result(), places_example()}) {
+    write("r.json", result, Existing::replace);
+    const std::string whole = read_text("r.npz");
+    const std::vector<std::string> names = ZipFile("r.npz").names();
+    for (const std::string& name : names) {
+      INFO(name);
+      const std::string array = npz_bytes("r.npz", name.substr(0, name.size() - 4));
+      const size_t last = whole.find(array) + array.size() - 1;
+      for (const size_t at : {last, last - array.size() / 2, last - array.size() + 1}) {
+        std::string text = whole;
+        text[at] = static_cast<char>(text[at] ^ 1);
+        write_text("r.npz", text);
+        CHECK(error_kind([] { read_result("r.json"); }) == ErrorKind::data);
       }
-      write_text(path.parent_path() / name, whole);
+      // Without the array, by another name in its header and in the directory.
+      std::string renamed = whole;
+      for (size_t at = 0; (at = renamed.find(name, at)) != std::string::npos;) renamed[at] = 'x';
+      write_text("r.npz", renamed);
+      CHECK(error_kind([] { read_result("r.json"); }) == ErrorKind::data);
+      write_text("r.npz", whole);
     }
-    read_result(path);
+    for (const size_t size : {size_t{0}, whole.size() / 2, whole.size() - 1}) {
+      write_text("r.npz", whole.substr(0, size));
+      CHECK(error_kind([] { read_result("r.json"); }) == ErrorKind::data);
+    }
+    write_text("r.npz", whole);
+    read_result("r.json");
   }
 }
 
@@ -108,6 +118,8 @@ TEST_CASE("modified results are refused without a crash") {
                                                  {"/clusters/0/query/window", 4},
                                                  {"/files/recognitions/checksum", "xxh3:0"},
                                                  {"/files", Json::array()},
+                                                 {"/files/best/rows", 3},
+                                                 {"/files/best/rows", uint64_t{1} << 62},
                                                  {"/settings/clustering/eps", 5000},
                                                  {"/settings/clustering/eps", 0},
                                                  {"/clusters", Json::array()},
@@ -133,8 +145,7 @@ TEST_CASE("a result with modified text is refused, except in machine and timing"
 TEST_CASE("random damage yields an error or a result, never a crash") {
   const fs::path path = write_example();
   RandomEngine engine(1);
-  for (const char* name : {"r.json", "r.recognitions.npy", "r.recognition_scores.npy", "r.best.npy",
-                           "r.best_scores.npy"}) {
+  for (const char* name : {"r.json", "r.npz"}) {
     const std::string whole = test::read_text(name);
     for (int i = 0; i < 300; ++i) {
       std::string text = whole.substr(0, 1 + uniform_below(engine, whole.size()));

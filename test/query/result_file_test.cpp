@@ -5,15 +5,18 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "npz.h"
 #include "query/result_examples.h"
 
 using namespace vpr;
 using namespace vpr::test;
 
 TEST_CASE("arrays are named after the result") {
-  CHECK(array_path("a/r.json", "recognitions") == "a/r.recognitions.npy");
-  CHECK(array_path("a/r", "recognitions") == "a/r.recognitions.npy");
-  CHECK(array_path("a/r.v2.json", "best") == "a/r.v2.best.npy");
+  CHECK(array_path("a/r.json") == "a/r.npz");
+  CHECK(array_path("a/r") == "a/r.npz");
+  CHECK(array_path("a/r.v2.json") == "a/r.v2.npz");
+  Outputs outputs(Existing::refuse);
+  CHECK(error_kind([&] { claim_result("r.npz", outputs); }) == ErrorKind::usage);
 }
 
 TEST_CASE("a result can be read back after writing") {
@@ -26,9 +29,11 @@ TEST_CASE("a result can be read back after writing") {
   CHECK(result.query.unreadable == expected.query.unreadable);
   CHECK(result.sequences[0].max_distance == 30);
   CHECK_FALSE(result.sequences[1].searched);
-  CHECK(test::list_folder(".") == std::vector<std::string>{"r.best.npy", "r.best_scores.npy",
-                                                           "r.json", "r.recognition_scores.npy",
-                                                           "r.recognitions.npy"});
+  CHECK(test::list_folder(".") == std::vector<std::string>{"r.json", "r.npz"});
+  CHECK(ZipFile("r.npz").names() == std::vector<std::string>{"recognitions.npy",
+                                                             "recognition_scores.npy", "best.npy",
+                                                             "best_scores.npy"});
+  CHECK(has(error_text([] { read_result("r.npz"); }), "Pass its .json file"));
 }
 
 TEST_CASE("a resampled query stores its selection, and an invalid one is refused") {
@@ -58,8 +63,7 @@ TEST_CASE("margins are written next to the best matches, and missing ones are Na
   result.margins = {3, 0, std::nullopt, std::nullopt};
   result.sequences[0].margin = 1.5;
   write("r.json", result, Existing::replace);
-  const NpyArray file("r.margins.npy");
-  const auto values = file.values<double>(1);
+  const auto values = npz_array<double>("r.npz", "margins");
   REQUIRE(values.size() == 4);
   CHECK(values[0] == 3);
   CHECK(std::isnan(values[3]));
@@ -117,9 +121,7 @@ TEST_CASE("a result of places uses the same writer and reader") {
   CHECK(result.places->names == expected.places->names);
   CHECK(result.places->new_place == expected.places->new_place);
   CHECK(result.places->featureless == 1);
-  const NpyArray recognitions("r.recognitions.npy");
-  const auto values = recognitions.values<int32_t>(2);
-  CHECK(std::vector<int32_t>(values.begin(), values.end()) ==
+  CHECK(npz_array<int32_t>("r.npz", "recognitions") ==
         std::vector<int32_t>{0, 0, 0, 1, 0, 0, 1, 2, 2, 0, 1, 2});
 }
 
@@ -134,12 +136,9 @@ TEST_CASE("z-scores are written exactly, may be negative, and are read back") {
   scored.clusters->all[0].best_score = -4000;
   scored.statistics = UsedStatistics{{}, 300.5};
   write("r.json", scored, Existing::refuse);
-  const NpyArray file("r.best.npy");
-  const auto best = file.values<int32_t>(2);
-  CHECK(std::vector<int32_t>(best.begin(), best.end()) ==
+  CHECK(npz_array<int32_t>("r.npz", "best") ==
         std::vector<int32_t>{0, 0, 1, 1, 0, 2, 2, 0, 0, 3, -1, -1});
-  const NpyArray score_file("r.best_scores.npy");
-  const auto scores = score_file.values<double>(1);
+  const auto scores = npz_array<double>("r.npz", "best_scores");
   CHECK(std::vector<double>(scores.begin(), scores.begin() + 3) ==
         std::vector<double>{-4000, -3073, 17});
   CHECK(std::isnan(scores[3]));
@@ -173,8 +172,6 @@ TEST_CASE("the first frames of keyframes are written with the result and read ba
   REQUIRE(keyframes);
   CHECK(keyframes->query == result.keyframes->query);
   CHECK(keyframes->train == result.keyframes->train);
-  test::write_text("r.keyframes.npy", test::read_text("r.best.npy"));
-  CHECK(test::error_kind([&] { read_result("r.json"); }) == ErrorKind::data);
   // Frames that are out of range or order, and sequences without the first one.
   for (const ResultKeyframes& bad :
        {ResultKeyframes{{0, 5}, {{0}, {0}}}, ResultKeyframes{{0, 0}, {{0}, {0}}},
