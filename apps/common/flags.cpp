@@ -175,14 +175,17 @@ GroundTruthArgument ground_truth_argument(const std::string& text, const GroundT
   return with_flags(parse_ground_truth_argument(text, 0), flags);
 }
 
-void remove_selection_times(GroundTruthArgument& truth, const SelectionSettings& flags) {
-  if (!flags.fps || truth.options.query.times.empty()) return;
+bool uses_option(const GroundTruthArgument& truth, std::string_view option) {
   const auto formats = ground_truth_formats();
   const auto named = std::ranges::find(formats, truth.format, &GroundTruthFormat::name);
   const GroundTruthFormat* format = truth.format.empty()     ? &detect_format(truth.path)
                                     : named != formats.end() ? &*named
                                                              : nullptr;
-  if (format == nullptr || std::ranges::find(format->options, "times") == format->options.end())
+  return format != nullptr && std::ranges::find(format->options, option) != format->options.end();
+}
+
+void remove_selection_times(GroundTruthArgument& truth, const SelectionSettings& flags) {
+  if (flags.fps && !truth.options.query.times.empty() && !uses_option(truth, "times"))
     truth.options.query.times.clear();
 }
 

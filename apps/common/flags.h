@@ -59,6 +59,10 @@ std::optional<GroundTruthArgument> ground_truth_of(const DatasetQuery& query, Da
 /// The ground truth `text` of --ground-truth, with the flags.
 GroundTruthArgument ground_truth_argument(const std::string& text, const GroundTruthFlags& flags);
 
+/// Whether the format of a ground truth has an option, such as "times". Throws as detect_format
+/// does.
+bool uses_option(const GroundTruthArgument& truth, std::string_view option);
+
 /// With --fps, --query-times states the times of the selection. Removes it from a ground truth
 /// whose format does not use times. Throws as detect_format does.
 void remove_selection_times(GroundTruthArgument& truth, const SelectionSettings& flags);

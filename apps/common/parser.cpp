@@ -31,20 +31,20 @@ struct ValueWord {
   std::string_view word;
   std::string_view flags;  // each between blanks
 };
-constexpr std::array<ValueWord, 5> kValueWords = {
-    {{"SEQUENCE",
-      " --query --train --pretrain --validate --npy --query-npy --train-npy --query-bow "
-      "--pretrain-bow --train-bow "},
+constexpr std::array<ValueWord, 7> kValueWords = {
+    {{"SEQUENCE", " --query --train --pretrain --validate --images "},
      {"FILE",
       " --dataset --names --vocabulary --tree --save-config --save-posteriors --heat-map --result "
       "--ground-truth --validate-ground-truth "},
      {"FOLDER", " --train-folders --plot --fabmap "},
      {"PATH", " --output "},
-     {"NAME", " --name --only-sequence --place --sequence --same-place "}}};
+     {"NAME", " --name --only-sequence --place --sequence --same-place --descriptor "},
+     {"FORMAT", " --to "},
+     {"LIST", " --c-l --c-w --t-r --t-p --margin "}}};
 
 std::string value_word(const std::string& word, const std::string& flag) {
   if (word == "NUMBERS" || word == "NAMES") return "LIST";
-  if (word != "TEXT") return word;
+  if (word != "TEXT" && word != "VALUE") return word;
   for (const ValueWord& row : kValueWords)
     if (row.flags.find(fmt::format(" {} ", flag)) != std::string_view::npos)
       return std::string(row.word);
@@ -142,12 +142,14 @@ void add_flags(const CommandEntry& command, std::vector<std::string>& known) {
     known.insert(known.end(), flag.names.begin(), flag.names.end());
 }
 
-// "; use --npy", for a flag of another command, with its counterpart in this one; empty without.
+// "; use --train", for a flag of another command, with its counterpart in this one; empty without.
 std::string counterpart(const std::string& flag, const std::vector<std::string>& known) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kCounterparts = {
-      {{"--train", "--npy"},
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kCounterparts = {
+      {{"--npy", "--train"},
+       {"--npy", "--query"},
        {"--query-npy", "--query"},
-       {"--npy", "--query-npy"},
+       {"--train-npy", "--train"},
+       {"--query-bow", "--query"},
        {"--csv", "--format csv"},
        {"--latex", "--format latex"},
        {"--markdown", "--format markdown"},

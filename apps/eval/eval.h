@@ -38,8 +38,8 @@ void add_truth_flags(const Command& command, TruthSource& truth);
 struct ScoreInputs {
   std::string path;  ///< a matrix (.npy) or a list of matches; empty: descriptors
   ScoreInput matrix;
-  std::string query_npy;
-  std::string train_npy;
+  std::string query_array;  ///< descriptors without SCORES
+  std::string train_array;
   std::optional<DescriptorMetric> metric;
   std::optional<double> threshold;
   uint64_t window_length = 1;
@@ -49,7 +49,7 @@ struct ScoreInputs {
 
   bool is_list() const;
   /// The path of the scores or of the descriptors; empty without any.
-  const std::string& source() const { return query_npy.empty() ? path : query_npy; }
+  const std::string& source() const { return query_array.empty() ? path : query_array; }
 };
 
 /// The flags of vpr-eval RESULT and of vpr-eval matrix, const after parsing. Empty strings: not
@@ -88,6 +88,11 @@ struct EvalRow {
 
 void add_result_flags(Program& program, const Command& command, EvalFlags& flags);
 void add_matrix_flags(Program& program, const Command& command, EvalFlags& flags);
+
+/// Without SCORES, the query and the training sequence of the flags or the data set are the arrays
+/// to compare, and --query-images and --train-images their images. Throws Error(usage) if one is
+/// missing.
+void compare_arrays(EvalFlags& flags);
 
 /// Throws Error(usage) for flags that cannot be combined or lack another one, and for values out of
 /// range.

@@ -54,7 +54,7 @@ void add_file_flags(const Command& command, EvalFlags& flags) {
                    kFileGroup);
   add_setting(command, "--top-k", flags.top_k,
               "references per query in --pairs (default: 1 for a result, 10 for scores)",
-              kFileGroup, "K");
+              kFileGroup);
   command.add_list("--name", flags.names,
                    "name in tables and comparisons (default: the name of the file); repeat it for "
                    "several results, in their order",
@@ -73,13 +73,18 @@ void add_evaluation_flags(Program& program, const Command& command, EvalFlags& f
     if (const EvalOutput& output = eval_outputs()[i]; output.of_scores || !of_scores)
       command.add_option(std::string(output.flag), flags.outputs[i], std::string(output.help),
                          output.group, output.draw != nullptr ? "FOLDER" : "FILE");
-  command.add_option("--query", flags.query,
-                     "query, for its images and names: a sequence, or its name in the data set",
-                     kPictureGroup, "SEQUENCE");
+  const std::string group = of_scores ? kEssentialGroup : kPictureGroup;
+  const std::string without_scores =
+      of_scores ? "; without SCORES, descriptors (n x d array, .npy) to compare" : "";
+  command.add_option(
+      "--query", flags.query,
+      "query, for its images and names: a sequence, or its name in the data set" + without_scores,
+      group, "SEQUENCE");
   command.add_list(
       "--train", flags.train,
-      "training sequence, for its images and names; repeat it in the order of the database",
-      kPictureGroup, "SEQUENCE");
+      "training sequence, for its images and names; repeat it in the order of the database" +
+          without_scores,
+      group, "SEQUENCE");
   command.add_option("--poses", flags.by.poses,
                      "positions of the query's frames (CSV frame,x,y in meters), for gaps in "
                      "meters (default: those of the data set)",
@@ -96,12 +101,7 @@ void add_evaluation_flags(Program& program, const Command& command, EvalFlags& f
 
 // The order of list files, and flags that only a matrix has.
 void check_scores(const ScoreInputs& inputs) {
-  const bool has_descriptors = !inputs.query_npy.empty();
-  if (has_descriptors != !inputs.train_npy.empty())
-    throw Error(ErrorKind::usage, "--query-npy and --train-npy go together");
-  if (has_descriptors && !inputs.path.empty())
-    throw Error(ErrorKind::usage,
-                "evaluate one of these: SCORES, or descriptors (--query-npy and --train-npy)");
+  const bool has_descriptors = !inputs.query_array.empty();
   if (inputs.is_list())
     for (const auto& [is_given, flag] : {std::pair(inputs.matrix.train_first, "--train-first"),
                                          std::pair(inputs.matrix.missing.has_value(), "--missing"),
@@ -115,10 +115,10 @@ void check_scores(const ScoreInputs& inputs) {
       refuse(is_given, flag, "is for SCORES; distances of descriptors are computed");
     refuse(inputs.window_length != 1, kWindowFlag,
            "is for SCORES; rows of descriptors are frames. For windows of N frames, use vpr-train "
-           "descriptors and vpr-query --query-npy --c-l N");
+           "descriptors and vpr-query --c-l N");
   }
   refuse(inputs.metric && !has_descriptors, "--metric",
-         "is for descriptors. Pass them with --query-npy");
+         "is for descriptors. Omit SCORES, and pass them with --query and --train");
   if (inputs.query_frames) check_range("--query-frames", *inputs.query_frames, kMaxFrames);
   if (inputs.train_frames) check_range("--train-frames", *inputs.train_frames, kMaxFrames);
   refuse(inputs.train_frames && has_descriptors, "--train-frames", "is for lists of numbers");
@@ -159,7 +159,7 @@ void add_result_flags(Program& program, const Command& command, EvalFlags& flags
   command.add_option(
       "--map-with", flags.map_with,
       "second result of the same query, on a map next to the first (such as FAB-MAP and FastABLE)",
-      kPictureGroup, "RESULT");
+      kPictureGroup, "FILE");
 }
 
 void add_matrix_flags(Program& program, const Command& command, EvalFlags& flags) {
@@ -176,22 +176,15 @@ void add_matrix_flags(Program& program, const Command& command, EvalFlags& flags
                    "rows of the matrix are training frames, columns are queries");
   add_setting(command, "--missing", scores.matrix.missing,
               "value of missing scores, in addition to NaN");
-  const std::string descriptors = "Descriptors instead of scores";
-  command.add_option("--query-npy", scores.query_npy,
-                     "descriptors of the query (n x d array, .npy); their distances to --train-npy "
-                     "are computed, for uint8 and bool as Hamming distances",
-                     descriptors, "FILE");
-  command.add_option("--train-npy", scores.train_npy, "descriptors of the training frames",
-                     descriptors, "FILE");
   add_setting(command, "--metric", scores.metric,
               "distance of descriptors: cosine (1 - cos in float64), l2 (Euclidean) or chord "
-              "(Euclidean at length 1) (default: cosine)",
-              descriptors);
+              "(Euclidean at length 1) (default: cosine); uint8 and bool: Hamming",
+              kMetricGroup);
   const std::string rows = "Rows of the scores";
   add_setting(command, kWindowFlag, scores.window_length,
               "frames per row and column, each a window that is judged at its last frame (default: "
               "1)",
-              rows, "N");
+              rows);
   command.add_option("--query-frames", scores.query_frames,
                      "frames of the query before --speed: required by --speed, otherwise checked",
                      rows, "NUMBER");
@@ -204,12 +197,11 @@ void add_matrix_flags(Program& program, const Command& command, EvalFlags& flags
       .group(rows);
   add_evaluation_flags(program, command, flags, true);
   command.add_option("--query-name", flags.query_name,
-                     "name of the query in tables (default: of --query, or of the file of "
-                     "--query-npy)",
+                     "name of the query in tables (default: of --query)",
                      kFileGroup, "NAME");
   command
       .add_option("--recall-at", flags.by.recall_at, "K of recall@K (default: 1,5,10,20)",
-                  kMetricGroup, "K")
+                  kMetricGroup, "LIST")
       .comma_separated();
   add_setting(command, "--threshold", scores.threshold,
               "score from which best matches count as recognized (default: the threshold of recall "

@@ -64,6 +64,11 @@ EvaluationSettings evaluation_settings(const EvalFlags& flags, const EvalRow& ro
   EvaluationSettings by = flags.by;
   if (!flags.truth.path.empty())
     by.ground_truth = ground_truth_argument(flags.truth.path, flags.truth.flags);
+  // Images of arrays are also for pages and names.
+  if (by.ground_truth && !flags.scores.query_array.empty() &&
+      !uses_option(*by.ground_truth, "images"))
+    for (TruthSide* side : {&by.ground_truth->options.query, &by.ground_truth->options.train})
+      side->images.clear();
   if (!flags.truth.dataset.empty() &&
       (!by.ground_truth || (by.poses.empty() && !row.result.empty()))) {
     const Dataset dataset = read_dataset(flags.truth.dataset);
@@ -87,15 +92,49 @@ EvaluationSettings evaluation_settings(const EvalFlags& flags, const EvalRow& ro
   return by;
 }
 
+}  // namespace
+
+void compare_arrays(EvalFlags& flags) {
+  ScoreInputs& scores = flags.scores;
+  if (!scores.path.empty()) return;
+  const std::string& dataset = flags.truth.dataset;
+  std::optional<SequenceArgument> query;
+  std::error_code error;
+  if (flags.query) query = parse_sequence_argument(*flags.query);
+  const bool is_named =
+      !dataset.empty() && (!query || !std::filesystem::exists(query->path, error));
+  if (is_named) query = query_argument(dataset, flags.query);
+  const std::vector<SequenceArgument> train = train_arguments(flags);
+  if (!query || train.empty())
+    throw Error(
+        ErrorKind::usage,
+        "scores are missing. Pass SCORES, or descriptors, as in --query tuesday.npy --train "
+        "monday.npy");
+  if (train.size() > 1)
+    throw Error(ErrorKind::usage,
+                "the query is compared with one array, but there are {} training sequences. Join "
+                "their arrays, as with numpy.concatenate",
+                train.size());
+  scores.query_array = argument_text(*query);
+  scores.train_array = argument_text(train.front());
+  const GroundTruthOptions& images = flags.truth.flags.options;
+  if (!is_named) flags.query.reset();
+  if (!is_named && !images.query.images.empty()) flags.query = images.query.images.string();
+  flags.train.clear();
+  if (!images.train.images.empty()) flags.train = {images.train.images.string()};
+}
+
+namespace {
+
 ScoreMatrix open_scores(const EvalFlags& flags, const Monitor& monitor) {
   if (is_database_folder(flags.scores.path))
     throw Error(ErrorKind::data,
                 "{} is a database. Pass scores, as saved by vpr-query --save-matrix",
                 flags.scores.path);
   const ScoreInputs& scores = flags.scores;
-  if (!scores.query_npy.empty())
-    return descriptor_scores(open_sequence(parse_sequence_argument(scores.query_npy)),
-                             open_sequence(parse_sequence_argument(scores.train_npy)),
+  if (!scores.query_array.empty())
+    return descriptor_scores(open_sequence(parse_sequence_argument(scores.query_array)),
+                             open_sequence(parse_sequence_argument(scores.train_array)),
                              scores.metric, monitor);
   if (!scores.is_list()) {
     const size_t columns = train_columns(flags);
@@ -162,8 +201,8 @@ ScoreSettings score_settings(const EvalFlags& flags, const EvalRow& row, const S
         select_query(read_dataset(flags.truth.dataset), flags.query).sequence.name;
   else if (flags.query)
     settings.query.name = sequence_names({parse_sequence_argument(*flags.query)}).front();
-  else if (!scores.query_npy.empty())
-    settings.query.name = parse_sequence_argument(scores.query_npy).path.stem().string();
+  else if (!scores.query_array.empty())
+    settings.query.name = parse_sequence_argument(scores.query_array).path.stem().string();
   else
     settings.query.name = kUnnamedQuery;
   return settings;

@@ -55,7 +55,8 @@ RunInfo run_of(const Evaluated& evaluated, const EvalFlags& flags, const EvalRow
        {std::pair("result", row.result),
         std::pair(flags.scores.is_list() ? "predictions" : "scores",
                   flags.scores.path.empty() ? row.matrix : flags.scores.path),
-        std::pair("query", flags.scores.query_npy), std::pair("reference", flags.scores.train_npy),
+        std::pair("query", flags.scores.query_array),
+        std::pair("reference", flags.scores.train_array),
         std::pair("ground_truth", truth ? truth->path.string() : ""),
         std::pair("places", flags.by.places)})
     if (!path.empty()) run.paths[role] = path;
@@ -242,7 +243,7 @@ constexpr const char* kExamples =
 
 constexpr const char* kMatrixExamples =
     "  vpr-eval matrix scores.npy --distance --ground-truth pairs.csv\n"
-    "  vpr-eval matrix --query-npy tuesday.npy --train-npy monday.npy --recall-at 1,10 "
+    "  vpr-eval matrix --query tuesday.npy --train monday.npy --recall-at 1,10 "
     "--ground-truth pairs.csv\n"
     "  vpr-eval matrix logs/default/preds --query queries --train database --ground-truth queries "
     "--ground-truth-train database";
@@ -254,6 +255,7 @@ void add_matrix(Program& program) {
                           kMatrixExamples, [flags](Session& session) {
                             if (session.options.process.order == FrameOrder::automatic)
                               set_frame_order(FrameOrder::rows);
+                            compare_arrays(*flags);
                             run(session, *flags);
                           });
   add_matrix_flags(program, command, *flags);

@@ -13,8 +13,6 @@ namespace vpr {
 struct QueryOptions {
   std::string database;  ///< empty: none, for loops
   std::optional<std::string> query;
-  std::string query_npy;  ///< descriptors instead of frames
-  std::string query_bow;  ///< OpenFABMAP's BOW matrix instead of frames
   std::string dataset;
   SelectionSettings selection;
   std::string query_times;  ///< times of the frames, for --fps
@@ -42,7 +40,7 @@ void add_match_flags(const Command& command, QueryOptions& options, AllSettings&
 void add_live_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& settings);
 
-/// The query of --query, --query-npy or --dataset, with its rate and selection, except a camera.
+/// The query of --query or --dataset, with its rate and selection, except a camera.
 /// Throws Error(usage) without a query; also throws as selected.
 NamedSequence find_query(const QueryOptions& options, const Session& session);
 

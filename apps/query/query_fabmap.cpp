@@ -18,31 +18,26 @@ struct WordQuery {
   std::string name;
   SequenceArgument recorded;  ///< frames before selection, or a BOW matrix
   SequenceWords words;
+  bool is_bow = false;
 };
 
 WordQuery read_query(const QueryOptions& options, const FabmapDatabase& database,
                      bool skip_unreadable, const Session& session) {
-  WordQuery query;
-  if (!options.query_bow.empty()) {
-    const SelectionSettings& selected_by = options.selection;
-    refuse(options.query || !options.query_npy.empty() || !options.dataset.empty() ||
-               selected_by.fps || selected_by.recorded_fps || !options.query_times.empty(),
-           "--query-bow",
-           "cannot be combined with --query, --query-npy, --dataset, --fps and frame rates");
-    query.recorded = parse_sequence_argument(options.query_bow);
-    query.name = sequence_names({query.recorded}).front();
-    SequenceWords rows{{}, read_openfabmap_frames(query.recorded, database.tree.words())};
-    rows.sequence.frames = rows.words.size();
-    const Selection selection =
-        at_speed(options.selection.speed, rows.sequence.frames, session.options.process.seed);
-    query.words = selected(std::move(rows), selection);
+  const NamedSequence named = find_query(options, session);
+  const SequenceSource source = open_sequence(named.sequence);
+  WordQuery query{named.name, {named.sequence.path, named.sequence.range}, {}, false};
+  if (source.kind != SequenceKind::descriptors) {
+    query.words = describe_words(source, database, skip_unreadable, session.monitor);
     return query;
   }
-  const NamedSequence source = find_query(options, session);
-  query.name = source.name;
-  query.recorded = {source.sequence.path, source.sequence.range};
-  query.words =
-      describe_words(open_sequence(source.sequence), database, skip_unreadable, session.monitor);
+  refuse(options.selection.fps || options.selection.recorded_fps, "--fps",
+         "is for frames, but the query has rows of words");
+  query.is_bow = true;
+  SequenceWords rows{{}, read_openfabmap_frames(query.recorded, database.tree.words())};
+  rows.sequence.frames = rows.words.size();
+  const Selection selection =
+      at_speed(named.sequence.speed, rows.sequence.frames, named.sequence.seed);
+  query.words = selected(std::move(rows), selection);
   return query;
 }
 
@@ -82,10 +77,10 @@ void query_places(Session& session, const QueryOptions& options,
   QueryRun run = query_fabmap(database, query.words, query.name, settings,
                               session.options.process.seed, observe, session.monitor);
   ResultContext context = make_context(options, session);
-  if (options.query_bow.empty())
-    set_query_path(context.run, query.recorded);
-  else
+  if (query.is_bow)
     context.run.paths["query"] = query.recorded.path.string();
+  else
+    set_query_path(context.run, query.recorded);
   context.seconds = std::move(run.seconds);
   context.seconds["describe"] = describe_s;
   context.seconds["total"] = watch.elapsed_s();

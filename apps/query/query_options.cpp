@@ -32,31 +32,12 @@ void set_loop_gap(const std::string& text, SequenceKeys& sequence, FabmapQuerySe
   sequence.loop_gap = fabmap.loop_gap;
 }
 
-// The query of --query or --query-npy.
-NamedSequence query_of_flags(const QueryOptions& options) {
-  refuse(!options.query_npy.empty() && options.query, "--query-npy",
-         "cannot be combined with --query");
-  if (options.query_npy.empty() && !options.query)
-    throw Error(ErrorKind::usage, "the query is missing, as in --query FOLDER");
-  const SequenceArgument argument =
-      parse_sequence_argument(options.query_npy.empty() ? *options.query : options.query_npy);
-  if (!options.query_npy.empty()) require_descriptors(argument);
-  return {sequence_names({argument}).front(), argument};
-}
-
 // The query of every command with frames.
 void add_query_flags(const Command& command, QueryOptions& options) {
   command.add_option("--query", options.query,
-                     "query sequence: folder, list or video, PATH[@FIRST:LAST[:STEP]]; with "
-                     "--dataset, the name of one of its queries");
+                     "query sequence: folder, list, video or descriptors (.npy), "
+                     "PATH[@FIRST:LAST[:STEP]]; with --dataset, the name of one of its queries");
   command.add_option("--dataset", options.dataset, "data set description with the query",
-                     kQueryGroup);
-}
-
-void add_arrays_flag(const Command& command, QueryOptions& options) {
-  command.add_option("--query-npy", options.query_npy,
-                     "descriptors instead of --query: n x d values, or a folder with one .npy file "
-                     "per frame, with an optional range",
                      kQueryGroup);
 }
 
@@ -105,9 +86,6 @@ void add_fabmap_flags(const Command& command, QueryOptions& options,
   add_settings(command, settings, fabmap_setting_rows(), QueryCommand::query);
   command.add_flag("--motion-model", settings.posterior.motion_model,
                    "raise the prior of places next to the previous place", kFabmapGroup);
-  command.add_option("--query-bow", options.query_bow,
-                     "OpenFABMAP's BOW matrix (.npy) instead of --query, with an optional range",
-                     kFabmapGroup);
   command.add_option("--save-posteriors", options.posteriors,
                      "write frames x (1 + views) probabilities, new place first (.npy)",
                      kFabmapGroup);
@@ -126,7 +104,6 @@ void add_match_flags(const Command& command, QueryOptions& options, AllSettings&
       command, settings, false,
       "matching method (default: filter); flags of windows select fastable, which is for "
       "equal speed; FAB-MAP databases have the method fabmap");
-  add_arrays_flag(command, options);
   add_selection_flags(command, options);
   add_speed_flag(command, options.selection.speed).group(kQueryGroup);
   add_sequence_flags(command, options, settings.sequence, QueryCommand::query);
@@ -154,7 +131,6 @@ void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& 
       "DB", options.database,
       "FAB-MAP database, whose places come before those of the query; omit it for windows");
   add_query_flags(command, options);
-  add_arrays_flag(command, options);
   command.add_option(
       "--gap",
       [&](const std::string& text) { set_loop_gap(text, settings.sequence, settings.fabmap); },
@@ -181,9 +157,10 @@ NamedSequence find_query(const QueryOptions& options, const Session& session) {
   refuse(!times.empty() && !options.selection.fps, "--query-times",
          "has an effect with --fps only");
   if (options.dataset.empty()) {
-    named = query_of_flags(options);
+    if (!options.query) throw Error(ErrorKind::usage, "the query is missing, as in --query FOLDER");
+    const SequenceArgument argument = parse_sequence_argument(*options.query);
+    named = {sequence_names({argument}).front(), argument};
   } else {
-    refuse(!options.query_npy.empty(), "--query-npy", "cannot be combined with --dataset");
     dataset = read_dataset(options.dataset);
     const DatasetQuery& query = select_query(*dataset, options.query);
     named = query.sequence;

@@ -81,7 +81,6 @@ SequenceQuerySettings parse_sequences(const Session& session, const QueryOptions
                                       const SequenceKeys& keys, QueryCommand command) {
   constexpr DatabaseFamily kFamily = DatabaseFamily::sequences;
   refuse_other(!options.posteriors.empty(), "--save-posteriors", kFamily);
-  refuse_other(!options.query_bow.empty(), "--query-bow", kFamily);
   refuse_other(session.command.is_given("--motion-model"), "--motion-model", kFamily);
   refuse_keys_of<SequenceKeys, FabmapQuerySettings>(session, kFamily);
   refuse(command == QueryCommand::loops && !options.database.empty(), "DB",

@@ -42,7 +42,7 @@ std::vector<NamedArgument> find_sequences(const ImportOptions& options) {
   for (const std::string& text : options.arrays) arrays.push_back(parse_sequence_argument(text));
   if (arrays.empty())
     throw Error(ErrorKind::usage,
-                "descriptors are missing, as in --npy db.npy, or a folder of .npy files");
+                "descriptors are missing, as in --train db.npy, or a folder of .npy files");
   for (const SequenceArgument& array : arrays) require_descriptors(array);
   std::vector<NamedArgument> sequences;
   if (options.ranges.empty()) {
@@ -52,8 +52,8 @@ std::vector<NamedArgument> find_sequences(const ImportOptions& options) {
   }
   if (arrays.size() != 1 || !arrays.front().range.is_all())
     throw Error(ErrorKind::usage,
-                "--sequence needs a single --npy without a range; for several arrays use ranges, "
-                "as in --npy A.npy@0:100 --npy B.npy");
+                "--sequence needs a single --train without a range; for several arrays use ranges, "
+                "as in --train A.npy@0:100 --train B.npy");
   for (const std::string& text : options.ranges) {
     sequences.push_back(named_range(text, arrays.front().path));
     for (size_t s = 0; s + 1 < sequences.size(); ++s)
@@ -68,7 +68,7 @@ void name_frames(SequenceDatabase& database, const std::vector<NamedArgument>& s
                  const ImportOptions& options) {
   if (options.names.empty()) return;
   if (options.arrays.size() != 1)
-    throw Error(ErrorKind::usage, "--names needs a single --npy, with one line per row");
+    throw Error(ErrorKind::usage, "--names needs a single --train, with one line per row");
   const std::string file = read_whole_file(options.names);
   const auto names = split_lines(file);
   const SequenceArgument array = parse_sequence_argument(options.arrays.front());
@@ -152,21 +152,22 @@ void add_descriptors(Program& program) {
   SequenceTrainSettings& settings = options->settings;
   const Command command = program.add_command(
       "descriptors", "Build a database of descriptors from another program, such as a network.",
-      "  vpr-train descriptors --npy codes.npy --bits -o codes.vprdb\n"
-      "  vpr-train descriptors --npy vectors.npy --names names.txt -o network.vprdb\n"
-      "  vpr-train descriptors --npy vectors.npy --metric l2 --sequence monday=0:900 --sequence "
+      "  vpr-train descriptors --train codes.npy --bits -o codes.vprdb\n"
+      "  vpr-train descriptors --train vectors.npy --names names.txt -o network.vprdb\n"
+      "  vpr-train descriptors --train vectors.npy --metric l2 --sequence monday=0:900 --sequence "
       "tuesday=900:1750 -o network.vprdb",
       [options](Session& session) { import_descriptors(session, *options); });
   program.add_config(command, settings);
-  command.add_list("--npy", options->arrays,
+  command.add_list("--train", options->arrays,
                    "training sequence: n x d values with one row per frame, float16, float32 or "
                    "float64, or with --bits uint8 or bool; or a folder with one .npy file per "
                    "frame; with an optional range db.npy@FIRST:LAST[:STEP]; repeatable");
-  command.add_list("--sequence", options->ranges,
-                   "NAME=FIRST:LAST: rows of a single --npy that form a training sequence; from 0, "
-                   "without LAST; repeatable (default: all rows)");
+  command.add_list(
+      "--sequence", options->ranges,
+      "NAME=FIRST:LAST: rows of a single --train that form a training sequence; from 0, "
+      "without LAST; repeatable (default: all rows)");
   command.add_option("--names", options->names,
-                     "text file with the names of the frames, one line per row of --npy");
+                     "text file with the names of the frames, one line per row of --train");
   command.add_flag("--bits", options->as_bits,
                    "compare bits by Hamming distance; 8 bits per uint8, or one per bool");
   add_setting(command, "--metric", options->import.metric,

@@ -14,8 +14,6 @@ struct FabmapOptions {
   bool from_openfabmap = false;
   std::string vocabulary;
   std::string tree;
-  std::string pretrain_bow;
-  std::string train_bow;
   FabmapTrainSettings settings;
 };
 
@@ -24,8 +22,8 @@ bool has_sequences(const TrainOptions& options) {
 }
 
 FabmapDatabase train_frames(const FabmapOptions& options, const Session& session) {
-  refuse(!(options.vocabulary + options.tree + options.pretrain_bow + options.train_bow).empty(),
-         "a file of OpenFABMAP", "needs --from-openfabmap");
+  refuse(!(options.vocabulary + options.tree).empty(), "a file of OpenFABMAP",
+         "needs --from-openfabmap");
   std::vector<SequenceArgument> pretrain;
   std::vector<NamedArgument> groups;
   for (const std::string& text : options.pretrain)
@@ -49,17 +47,17 @@ FabmapDatabase train_frames(const FabmapOptions& options, const Session& session
 }
 
 FabmapDatabase import_files(const FabmapOptions& options) {
-  refuse(has_sequences(options.train) || !options.train.places.empty() || !options.pretrain.empty(),
-         "--from-openfabmap", "imports the words of all frames. Omit the sequences");
-  for (const std::string& path :
-       {options.vocabulary, options.tree, options.pretrain_bow, options.train_bow})
-    if (path.empty())
-      throw Error(ErrorKind::usage,
-                  "--from-openfabmap needs --vocabulary, --tree, --pretrain-bow and --train-bow");
-  return import_openfabmap(
-      {options.vocabulary, options.tree, parse_sequence_argument(options.pretrain_bow),
-       parse_sequence_argument(options.train_bow)},
-      options.settings);
+  const TrainOptions& train = options.train;
+  refuse(!train.folders.empty() || !train.dataset.empty() || !train.places.empty(),
+         "--from-openfabmap", "reads words of frames from --pretrain and --train only");
+  if (options.vocabulary.empty() || options.tree.empty() || options.pretrain.size() != 1 ||
+      train.sequences.size() != 1)
+    throw Error(ErrorKind::usage,
+                "--from-openfabmap needs --vocabulary, --tree, one --pretrain and one --train");
+  const SequenceArgument pretrain = parse_sequence_argument(options.pretrain.front());
+  const SequenceArgument words = parse_sequence_argument(train.sequences.front());
+  for (const SequenceArgument& array : {pretrain, words}) require_descriptors(array);
+  return import_openfabmap({options.vocabulary, options.tree, pretrain, words}, options.settings);
 }
 
 }  // namespace
@@ -117,17 +115,12 @@ void add_fabmap(Program& program) {
               "radius of radius clustering, in the unit of the features (bits for binary ones)",
               kOpenfabmap);
   command.add_flag("--from-openfabmap", options->from_openfabmap,
-                   "import the .npy files of scripts/convert/openfabmap.py", kOpenfabmap);
+                   "import the .npy files of scripts/convert/openfabmap.py; --pretrain and --train "
+                   "are its BOW matrices of other places and of the training frames",
+                   kOpenfabmap);
   command.add_option("--vocabulary", options->vocabulary, "OpenFABMAP's vocabulary (.npy)",
                      kOpenfabmap);
   command.add_option("--tree", options->tree, "OpenFABMAP's Chow-Liu tree (.npy)", kOpenfabmap);
-  command.add_option(
-      "--pretrain-bow", options->pretrain_bow,
-      "OpenFABMAP's BOW matrix of the pretraining frames (.npy), with an optional range",
-      kOpenfabmap);
-  command.add_option("--train-bow", options->train_bow,
-                     "OpenFABMAP's BOW matrix of the places (.npy), with an optional range",
-                     kOpenfabmap);
 }
 
 }  // namespace vpr

@@ -20,7 +20,6 @@ struct GridFlags {
 struct TuneOptions {
   std::string database;
   std::string query;
-  std::string query_npy;
   std::string ground_truth;
   std::string fabmap;  ///< FAB-MAP database of the same training sequences, to try FAB-MAP
   SelectionSettings selection;

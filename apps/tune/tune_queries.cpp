@@ -75,11 +75,8 @@ std::vector<std::string> setting_flags(const QuerySettings& chosen) {
 Flag add_query_flags(const Command& command, TuneOptions& options) {
   const Flag database = command.add_option("DB", options.database, "database of vpr-train");
   command.add_option("--query", options.query,
-                     "query sequence; with --dataset, the name of one of its queries");
-  command.add_option("--query-npy", options.query_npy,
-                     "descriptors instead of --query: n x d values, or a folder with one .npy file "
-                     "per frame, with an optional range",
-                     kQueryGroup);
+                     "query sequence: folder, list, video or descriptors (.npy); with --dataset, "
+                     "the name of one of its queries");
   command.add_option("--ground-truth", options.ground_truth,
                      "places that the query shows; " + ground_truth_help());
   command.add_list("--dataset", options.datasets,
@@ -93,19 +90,15 @@ Flag add_query_flags(const Command& command, TuneOptions& options) {
 std::vector<Source> find_queries(const TuneOptions& options, DatabaseFamily family,
                                  const Session& session) {
   if (!options.selection.speed.empty()) check_speed(options.selection.speed);
-  refuse(!options.query_npy.empty() && !(options.query.empty() && options.datasets.empty()),
-         "--query-npy", "cannot be combined with --query and --dataset");
-  if (!options.query_npy.empty()) require_descriptors(parse_sequence_argument(options.query_npy));
-  const std::string& query = options.query_npy.empty() ? options.query : options.query_npy;
   std::vector<Source> queries;
   for (const std::string& path : options.datasets)
     queries.push_back(find_in_dataset(options, path, options.query, family, session));
   if (!queries.empty()) return queries;
-  if (query.empty() || options.ground_truth.empty())
+  if (options.query.empty() || options.ground_truth.empty())
     throw Error(ErrorKind::usage,
                 "the {} is missing; pass --query and --ground-truth, or --dataset",
-                query.empty() ? "query" : "ground truth");
-  return {find_by_path(options, query, options.ground_truth, session)};
+                options.query.empty() ? "query" : "ground truth");
+  return {find_by_path(options, options.query, options.ground_truth, session)};
 }
 
 std::optional<Source> find_validation(const TuneOptions& options, DatabaseFamily family,
@@ -150,7 +143,6 @@ std::string query_command(const TuneOptions& options, const CommonOptions& commo
   };
   if (!options.datasets.empty()) add("--dataset", options.datasets[index]);
   add("--query", options.query);
-  add("--query-npy", options.query_npy);
   add("--speed", options.selection.speed);
   if (!options.selection.speed.empty() && common.process.seed != 1)
     add("--seed", std::to_string(common.process.seed));

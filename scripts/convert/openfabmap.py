@@ -6,7 +6,7 @@
 
 A file of cv::FileStorage, plain or compressed by gzip, has the node Vocabulary (words x
 dimensions), ChowLiuTree (4 x words), BOWImageDescs (frames x words) or VocabTrainData (descriptors
-x dimensions). vpr-train fabmap --from-openfabmap and vpr-query --query-bow read the .npy files. A
+x dimensions). vpr-train fabmap --from-openfabmap and vpr-query read the .npy files. A
 database (.vprdb) is written to a new folder: vocabulary.yml, tree.yml, bow-pretrain.yml and
 bow-train.yml. Needs python3-numpy.
 """

@@ -95,8 +95,8 @@ constexpr std::array kSequenceRows = {
     SettingRow{.key = "descriptor",
                .group = kQueryGroup,
                .commands = in(QueryCommand::loops),
-               .help = "descriptor of frames, as in vpr-train images (default: ldb; vectors with "
-                       "--query-npy)",
+               .help = "descriptor of frames, as in vpr-train images (default: ldb; of arrays "
+                       "vectors or bits)",
                .instead = "Use it with vpr-query loops and without a database."},
 };
 

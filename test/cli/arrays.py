@@ -20,19 +20,19 @@ def printed_json(*words):
 
 
 def recall_at(*words):
-    return printed_json("vpr-eval", "matrix", "--query-npy", "q.npy", "--train-npy", "db.npy", "--ground-truth", "aligned",
+    return printed_json("vpr-eval", "matrix", "--query", "q.npy", "--train", "db.npy", "--ground-truth", "aligned",
                         "--tolerance", 0, *words)["metrics"]["recall_at"]
 
 
 def trained(metric):
     """The database of the array; its messages and content."""
-    done = ok(call("vpr-train", "descriptors", "--npy", "db.npy", "--metric", metric, "--c-l", 3, "-o", "db.vprdb", "--force"))
+    done = ok(call("vpr-train", "descriptors", "--train", "db.npy", "--metric", metric, "--c-l", 3, "-o", "db.vprdb", "--force"))
     return done.stderr, printed_json("vpr-train", "info", "db.vprdb")["descriptor"]
 
 
 def best_matches(c_l):
     """The best matches of the database's distances."""
-    run("vpr-query", "db.vprdb", "--query-npy", "q.npy", "--c-l", c_l, "--t-r", 0.2, "-o", "r.json", "--force")
+    run("vpr-query", "db.vprdb", "--query", "q.npy", "--c-l", c_l, "--t-r", 0.2, "-o", "r.json", "--force")
     return printed_json("vpr-eval", "r.json", "--ground-truth", "aligned", "--tolerance", 0)["best_match"]
 
 
@@ -79,7 +79,7 @@ def lengths():
     # Added vectors use the same unit, and much longer ones are refused.
     run("vpr-train", "add", "db.vprdb", "--train", "q.npy", "-o", "more.vprdb")
     np.save(folder / "far.npy", 3 * query)
-    far = call("vpr-query", "db.vprdb", "--query-npy", "far.npy", "--c-l", 3, "--t-r", 0.2)
+    far = call("vpr-query", "db.vprdb", "--query", "far.npy", "--c-l", 3, "--t-r", 0.2)
     assert far.returncode == 4 and "more than twice as long" in far.stderr, far
 
 

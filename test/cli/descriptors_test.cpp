@@ -38,13 +38,13 @@ void make_arrays() {
   write_text("names.txt", names);
   for (const std::string bits : {"8", "16"})
     run_ok(
-        "vpr-train descriptors --npy db.npy --sequence one=0:28 --sequence two=28:60 "
+        "vpr-train descriptors --train db.npy --sequence one=0:28 --sequence two=28:60 "
         "--names names.txt --c-l 5 --value-bits " +
         bits + " -o db" + bits + ".vprdb");
 }
 
 RunOutcome query(const std::string& words, const std::string& precision) {
-  return run("vpr-query db" + precision + ".vprdb --query-npy q.npy --json " + words);
+  return run("vpr-query db" + precision + ".vprdb --query q.npy --json " + words);
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ TEST_CASE("every decision and score supports imported descriptors") {
 
 TEST_CASE("imported descriptors are evaluated and swept like others") {
   start_with(make_arrays);
-  run_ok("vpr-train descriptors --npy db.npy@30:54 --c-l 5 -o part.vprdb");
+  run_ok("vpr-train descriptors --train db.npy@30:54 --c-l 5 -o part.vprdb");
   run_ok("vpr-query part.vprdb --query q.npy --c-l 5 --t-r 0.5 -o r.json");
   const Json report =
       printed_json("vpr-eval r.json --ground-truth aligned --tolerance 0 --html r.html --json");
@@ -95,7 +95,7 @@ TEST_CASE("imported descriptors are evaluated and swept like others") {
   check_failure("vpr-eval r.json --ground-truth aligned --query q.npy --html r2.html", 2,
                 "plots need its images");
   const Json sweep = printed_json(
-      "vpr-tune fastable part.vprdb --query-npy q.npy --ground-truth aligned --c-l 1,5 --json");
+      "vpr-tune fastable part.vprdb --query q.npy --ground-truth aligned --c-l 1,5 --json");
   CHECK(has(sweep.dump(), "recommend"));
 }
 
@@ -105,8 +105,8 @@ TEST_CASE("sequences can be added, and vectors that are not numbers omitted") {
   std::vector<float> gap = random_rows(9, 5);
   std::fill_n(gap.begin(), kLength, std::numeric_limits<float>::quiet_NaN());
   write_array("gap.npy", gap, {9, kLength});
-  run_ok("vpr-train descriptors --npy gap.npy --skip-unreadable -o g.vprdb");
-  CHECK(printed_json("vpr-query g.vprdb --query-npy gap.npy --c-l 1 --t-r 0.01 --skip-unreadable "
+  run_ok("vpr-train descriptors --train gap.npy --skip-unreadable -o g.vprdb");
+  CHECK(printed_json("vpr-query g.vprdb --query gap.npy --c-l 1 --t-r 0.01 --skip-unreadable "
                      "--json")["totals"]["recognitions"] == 8);
 }
 
@@ -118,15 +118,15 @@ TEST_CASE("bits from files match like LDB, also with hashing") {
   write_array("codes.npy", codes, {50, 9});
   const std::vector<uint8_t> part(codes.begin() + 20 * 9, codes.begin() + 40 * 9);
   write_array("part.npy", part, {20, 9}, true);
-  run_ok("vpr-train descriptors --npy codes.npy --bits --c-l 4 -o b.vprdb");
+  run_ok("vpr-train descriptors --train codes.npy --bits --c-l 4 -o b.vprdb");
   for (const std::string method : {"fastable", "lsh"}) {
     const Json json = printed_json(
-        "vpr-query b.vprdb --query-npy part.npy --c-l 4 --t-r 3 --t-r-scale bits --method " +
-        method + " --json");
+        "vpr-query b.vprdb --query part.npy --c-l 4 --t-r 3 --t-r-scale bits --method " + method +
+        " --json");
     CHECK(json["totals"]["recognitions"] == 17);
   }
   const Json report = printed_json(
-      "vpr-eval matrix --query-npy codes.npy --train-npy codes.npy --ground-truth aligned --json");
+      "vpr-eval matrix --query codes.npy --train codes.npy --ground-truth aligned --json");
   CHECK(report["metrics"]["recall_at"]["1"] == 1.0);
 }
 
@@ -142,7 +142,7 @@ TEST_CASE("exported descriptors have the same distances after import") {
     return name;
   };
   const auto imported = [&](const std::string& array, const std::string& flags) {
-    run_ok("vpr-train descriptors --npy " + array + " -o " + array + ".vprdb --quiet " + flags);
+    run_ok("vpr-train descriptors --train " + array + " -o " + array + ".vprdb --quiet " + flags);
     return array + ".vprdb";
   };
   for (const std::string kind : {"ldb", "hog"}) {

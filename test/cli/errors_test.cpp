@@ -77,7 +77,7 @@ void make_inputs() {
   write_array("large.npy", std::vector<int64_t>(25, int64_t{1} << 60), {5, 5});
   write_text("truncated.npy", read_text("db.npy").substr(0, 1000));
   run_ok(
-      "vpr-train descriptors --npy db.npy --sequence a=0:28 --sequence b=28:60 -o vectors.vprdb");
+      "vpr-train descriptors --train db.npy --sequence a=0:28 --sequence b=28:60 -o vectors.vprdb");
   run_ok("vpr-train fastable --train $one -o one.vprdb");
   run_ok("vpr-query loops --query query --c-l 4 --gap 3 -o loops.json");
   run_ok(kQuery + " --c-l 5");

@@ -61,7 +61,7 @@ TEST_CASE("a database imported from vocabulary, tree and words has the same post
   write_openfabmap_files("r.vprdb");
   run_ok(
       "vpr-train fabmap --from-openfabmap --features sift --vocabulary vocabulary.npy --tree "
-      "tree.npy --pretrain-bow bow-pretrain.npy --train-bow bow-train.npy -o i.vprdb");
+      "tree.npy --pretrain bow-pretrain.npy --train bow-train.npy -o i.vprdb");
   for (const std::string name : {"r", "i"})
     run_ok("vpr-query " + name + ".vprdb --query $back --save-posteriors " + name + ".npy --json");
   CHECK(read_text("r.npy") == read_text("i.npy"));

@@ -64,9 +64,9 @@ def large_database(folder):
     middle = train_frames // 2
     numpy.save(folder / "query.npy", noisy(codes[middle:middle + 400]))
     size = codes.nbytes / 2**20
-    database, query = folder / "large.vprdb", ["--query-npy", folder / "query.npy"]
+    database, query = folder / "large.vprdb", ["--query", folder / "query.npy"]
     long = train_frames / 100_000 * 60
-    print("train:", run("vpr-train", "descriptors", "--npy", folder / "train.npy", "--bits", "-o", database,
+    print("train:", run("vpr-train", "descriptors", "--train", folder / "train.npy", "--bits", "-o", database,
                         seconds=long, megabytes=1000 + 3 * size)[1])
     for name, flags in {"FastABLE": ["--c-l", 20, "--t-r", 0.5],
                         "FastABLE online": ["--method", "fastable-online", "--c-l", 20, "--t-r", 0.5],
@@ -83,8 +83,8 @@ def large_database(folder):
 def many_recognitions(folder):
     codes = write_codes(folder / "many.npy", 100_000)
     numpy.save(folder / "few.npy", codes[:11])
-    run("vpr-train", "descriptors", "--npy", folder / "many.npy", "--bits", "-o", folder / "many.vprdb")
-    cost = run("vpr-query", folder / "many.vprdb", "--query-npy", folder / "few.npy", "--c-l", 1, "--t-r", 5000,
+    run("vpr-train", "descriptors", "--train", folder / "many.npy", "--bits", "-o", folder / "many.vprdb")
+    cost = run("vpr-query", folder / "many.vprdb", "--query", folder / "few.npy", "--c-l", 1, "--t-r", 5000,
                "--t-r-scale", "bits", "-o", folder / "many.json")[1]
     evaluation = run("vpr-eval", folder / "many.json", "--ground-truth", "aligned", "--html", folder / "many.html",
                      "--plot", folder / "many", "-o", folder / "report.json")[1]
@@ -98,9 +98,9 @@ def advice(folder):
     """Advice on a query without a match follows its complete outputs, and takes no time with --quiet."""
     write_codes(folder / "train.npy", 200_000)
     write_codes(folder / "query.npy", 150).flush()
-    run("vpr-train", "descriptors", "--npy", folder / "train.npy", "--bits", "-o", folder / "other.vprdb")
+    run("vpr-train", "descriptors", "--train", folder / "train.npy", "--bits", "-o", folder / "other.vprdb")
     result = folder / "result.json"
-    command = ["vpr-query", folder / "other.vprdb", "--query-npy", folder / "query.npy", "--c-l", 20, "--t-r", 0.1,
+    command = ["vpr-query", folder / "other.vprdb", "--query", folder / "query.npy", "--c-l", 20, "--t-r", 0.1,
                "-o", result, "--threads", 1, "--force"]
     text, with_advice = run(*command)
     without = run(*command, "--quiet")[1]

@@ -176,7 +176,7 @@ def utm_names():
             write(f"{side}/{name}", "")
     rows = np.eye(24)[np.argsort(np.argsort(names))].astype(np.float32)  # of each name, in order
     np.save(folder / "utm.npy", rows[np.argsort(names)])
-    judge = ("vpr-eval", "matrix", "--query-npy", "utm.npy", "--train-npy", "utm.npy", "--ground-truth", "uq",
+    judge = ("vpr-eval", "matrix", "--query", "utm.npy", "--train", "utm.npy", "--ground-truth", "uq",
              "--ground-truth-train", "ud")
     report = printed_json(*judge)
     assert report["metrics"]["recall_at"]["1"] == 1 and report["metrics"]["all_pairs"]["positives"] == 24
@@ -249,13 +249,13 @@ def arrays():
     for name, array in {"big": numbers.astype(">f4"), "bytes": (255 * numbers).astype(np.uint8), "one": np.zeros(5),
                         "dict": {"a": 1}, "minus": np.where(np.arange(16) == 7, -1, numbers)}.items():
         np.save(folder / f"{name}.npy", array)
-    refused(4, 'array.astype("<f4")', "vpr-train", "descriptors", "--npy", "big.npy", "-o", "big.vprdb")
+    refused(4, 'array.astype("<f4")', "vpr-train", "descriptors", "--train", "big.npy", "-o", "big.vprdb")
     refused(4, "query x training frames; found the shape (5)", "vpr-eval", "check", "one.npy")
     refused(4, "Save an array of numbers", "vpr-eval", "check", "dict.npy")
-    same = ("--query-npy", "bytes.npy", "--train-npy", "bytes.npy", "--ground-truth", "aligned")
+    same = ("--query", "bytes.npy", "--train", "bytes.npy", "--ground-truth", "aligned")
     assert "If they are numbers, save them as float32" in said("vpr-eval", "matrix", *same)
     np.save(folder / "bool.npy", numbers > 0.5)
-    refused(4, "the values have type |b1", "vpr-eval", "matrix", "--query-npy", "bool.npy", *same[2:])
+    refused(4, "the values have type |b1", "vpr-eval", "matrix", "--query", "bool.npy", *same[2:])
     matrix = ("vpr-eval", "matrix", "minus.npy", "--distance", "--ground-truth", "aligned")
     assert "add --missing -1" in said(*matrix) and "--missing" not in said(*matrix, "--missing", -1)
     (folder / "unclear").mkdir()
@@ -276,7 +276,7 @@ def flags_without_effect():
 
 def loops_of_arrays():
     np.save(folder / "bits.npy", np.random.default_rng(1).random((40, 64)) > 0.5)
-    loops = ("vpr-query", "loops", "--query-npy", "bits.npy", "--c-l", 2, "--gap")
+    loops = ("vpr-query", "loops", "--query", "bits.npy", "--c-l", 2, "--gap")
     assert "40 frames of bits" in run(*loops, 9)
     refused(2, "bits.npy: the rows have no times", *loops, "9s")
 
@@ -286,7 +286,7 @@ def shrinking_array():
     rows = np.random.default_rng(1).standard_normal((200000, 128)).astype(np.float32)
     for delay in (0.05, 0.1, 0.2, 0.4):
         np.save(folder / "big.npy", rows)
-        run = subprocess.Popen([programs / "vpr-train", "descriptors", "--npy", "big.npy", "-o", "big.vprdb", "--threads", "1",
+        run = subprocess.Popen([programs / "vpr-train", "descriptors", "--train", "big.npy", "-o", "big.vprdb", "--threads", "1",
                                 "--force", "--quiet"], cwd=folder, stderr=subprocess.PIPE, text=True)
         time.sleep(delay)
         with open(folder / "big.npy", "r+b") as file:

@@ -65,9 +65,9 @@ def loop():
         subprocess.run([SOURCE / "scripts/convert/openfabmap.py", OPENFABMAP / f"{name}.yml.gz",
                         "-o", arrays / f"{name}.npy"], check=True)
     yield (f"vpr-train fabmap --from-openfabmap --features sift --vocabulary {arrays}/vocabulary.npy "
-           f"--tree {arrays}/tree.npy --pretrain-bow {arrays}/bow-pretrain.npy "
-           f"--train-bow {arrays}/bow-loop.npy@0:40 -o loop.vprdb")
-    bow = f"--query-bow {arrays}/bow-loop.npy@40:80"
+           f"--tree {arrays}/tree.npy --pretrain {arrays}/bow-pretrain.npy "
+           f"--train {arrays}/bow-loop.npy@0:40 -o loop.vprdb")
+    bow = f"--query {arrays}/bow-loop.npy@40:80"
     for variant in "fabmap1", "fabmap2", "lut", "fbo":
         for more in ("", "--word-model naive-bayes", "--new-place mean-field", "--motion-model"):
             if variant == "fbo" and more:

@@ -52,7 +52,7 @@ support.good(support.run(*train, "--pretrain", folder / "pre", "--train", folder
                          folder / "d.vprdb"))
 yaml = folder / "yaml"
 support.good(convert(folder / "d.vprdb", "-o", yaml))
-flags = {"vocabulary": "--vocabulary", "tree": "--tree", "bow-pretrain": "--pretrain-bow", "bow-train": "--train-bow"}
+flags = {"vocabulary": "--vocabulary", "tree": "--tree", "bow-pretrain": "--pretrain", "bow-train": "--train"}
 arrays = []
 for name, flag in flags.items():
     support.good(convert(yaml / f"{name}.yml", "-o", folder / f"{name}.npy"))

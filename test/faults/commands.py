@@ -103,7 +103,7 @@ WRITERS = [
            (("d.vprdb", "in/f.vprdb"),)),
     Writer("train export", "vpr-train export {database} --descriptors out/x.npy", "x.npy",
            {"database": ("in/one.vprdb", "in/s.vprdb")},
-           (Reader(("x.npy",), "vpr-train descriptors --npy out/x.npy --bits --c-l 3 -o read/d.vprdb"),)),
+           (Reader(("x.npy",), "vpr-train descriptors --train out/x.npy --bits --c-l 3 -o read/d.vprdb"),)),
     Writer("query", "vpr-query in/s.vprdb --query {query} --c-l 3 --t-r 0.6 -o out/r.json "
            "--save-matrix out/m.npy", "r.json", QUERY,
            (Reader(SEQUENCE_RESULT + ("m.npy",), f"vpr-eval out/r.json {PAIRS}"),

@@ -30,7 +30,7 @@ with tempfile.TemporaryDirectory() as name:
             flags = [word for key, value in settings.items() for word in ("--" + key.replace("_", "-"), str(value))]
             ratios, seconds = [], []
             for _ in range(rounds):
-                subprocess.run([programs / "vpr-query", folder / f"{kind}.vprdb", "--query-npy",
+                subprocess.run([programs / "vpr-query", folder / f"{kind}.vprdb", "--query",
                                 folder / f"{kind}.npy", *flags, "--threads", "1", "--force", "--quiet", "-o",
                                 folder / "r.json"], check=True)
                 timing = json.loads((folder / "r.json").read_text())["timing"]

@@ -50,7 +50,7 @@ def test_vectors_are_trained_as_by_the_program(run, walks, tmp_path, settings, o
     monday = np.asarray(np.load(walks / "monday.npy"), order=order)
     db = vpr.train(descriptors={"monday": monday}, **settings)
     db.save(tmp_path / "p.vprdb")
-    run("vpr-train", "descriptors", "--npy", "monday.npy", *flags(settings), "-o",
+    run("vpr-train", "descriptors", "--train", "monday.npy", *flags(settings), "-o",
         tmp_path / "c.vprdb", folder=walks)
     assert_same_databases(tmp_path / "p.vprdb", tmp_path / "c.vprdb")
 
@@ -72,9 +72,9 @@ QUERIES = [{}, {"c_l": 5, "t_r": 0.6}, {"c_l": 5, "score": "zscore", "decide": "
 @pytest.mark.parametrize("kind", ["", "_bits"])
 def test_arrays_are_matched_as_by_the_program(run, walks, tmp_path, settings, kind):
     bits = ["--bits"] if kind else []
-    run("vpr-train", "descriptors", "--npy", f"monday{kind}.npy", *bits, "--c-l", 5, "-o",
+    run("vpr-train", "descriptors", "--train", f"monday{kind}.npy", *bits, "--c-l", 5, "-o",
         tmp_path / "db.vprdb", folder=walks)
-    run("vpr-query", tmp_path / "db.vprdb", "--query-npy", f"tuesday{kind}.npy", *flags(settings),
+    run("vpr-query", tmp_path / "db.vprdb", "--query", f"tuesday{kind}.npy", *flags(settings),
         "-o", tmp_path / "c.json", folder=walks)
     db = vpr.train(descriptors={f"monday{kind}": np.load(walks / f"monday{kind}.npy")}, c_l=5)
     for source in (db, vpr.load(tmp_path / "db.vprdb")):
@@ -126,7 +126,7 @@ def test_loops_are_found_as_by_the_program(run, walks, tmp_path, settings):
     (tmp_path / "times.txt").write_text("".join(f"{i}.5\n" for i in range(400)))
     given = dict(settings)
     gap = given.pop("loop_gap", None) or f"{given.pop('loop_gap_s')}s"
-    run("vpr-query", "loops", "--query-npy", "query.npy", "--gap", gap, *flags(given), "-o",
+    run("vpr-query", "loops", "--query", "query.npy", "--gap", gap, *flags(given), "-o",
         "c.json", folder=tmp_path)
     if "frame_times" in settings:
         settings = {**settings, "frame_times": str(tmp_path / "times.txt")}
@@ -388,7 +388,7 @@ def test_calls_in_other_threads_end_with_the_interpreter(walks):
 def test_errors_have_the_sentences_of_the_programs(run, walks, tmp_path):
     db = vpr.train(descriptors=walks / "monday.npy")
     db.save(tmp_path / "db.vprdb")
-    program = run("vpr-query", tmp_path / "db.vprdb", "--query-npy", walks / "tuesday.npy", "--c-l",
+    program = run("vpr-query", tmp_path / "db.vprdb", "--query", walks / "tuesday.npy", "--c-l",
                   0, folder=walks, code=2)
     with pytest.raises(vpr.UsageError) as error:
         vpr.query(db, descriptors=walks / "tuesday.npy", c_l=0)
