@@ -67,68 +67,53 @@ std::string recognized_text(const Result& result) {
   return fmt::format("{} of {}", recognized_windows(result), counted(result.query.frames, "frame"));
 }
 
-// Whether frames are recognized so much better with a selection of the frames that the user should
-// select them.
-bool is_better(const Result& found, const Result& before) {
-  constexpr double kBetter = 1.5;
-  const auto share = [](const Result& result) {
-    return static_cast<double>(recognized_windows(result)) /
-           static_cast<double>(std::max<size_t>(result.query.frames, 1));
-  };
-  return share(found) >= std::max(1.0 / kFewest, kBetter * share(before));
+// The share of query frames that are recognized.
+double recognized_share(const Result& result) {
+  return static_cast<double>(recognized_windows(result)) /
+         static_cast<double>(std::max<size_t>(result.query.frames, 1));
 }
 
-// A sentence if more frames are recognized with every second to tenth frame of both sides; empty if
-// not.
-std::string dense_advice(const SequenceDatabase& database, const DescriptorSet& query,
-                         const SequenceQuerySettings& settings, const Result& before,
-                         const QueryResources& resources, const Monitor& monitor) {
+// A sentence if clearly more frames are recognized with a selection of the frames of one side or of
+// both, by the best selection; empty if not.
+std::string selection_advice(const SequenceDatabase& database, const DescriptorSet& query,
+                             const SequenceQuerySettings& settings, const Result& before,
+                             const QueryResources& resources, const Monitor& monitor) {
+  constexpr double kBetter = 1.5;
   const Monitor silent = {{}, {}, monitor.stop};
   std::string advice;
-  Result best = before;
+  double best = std::max(1.0 / kFewest, kBetter * recognized_share(before));
+  const auto is_best = [&](const Result& found) {
+    const double share = recognized_share(found);
+    const bool is_better = advice.empty() ? share >= best : share > best;
+    if (is_better) best = share;
+    return is_better;
+  };
   for (const auto& [step, ordinal] :
        {std::pair(2, "second"), std::pair(3, "third"), std::pair(4, "fourth"),
         std::pair(6, "sixth"), std::pair(10, "tenth")}) {
-    const Selection some = at_speed(std::to_string(step), query.rows().size(), 1);
-    Result found = filtered(thinned(database, step, silent), selected(query, some), settings,
-                            resources, monitor);
-    const bool is_largest = recognized_windows(found) * best.query.frames >
-                            recognized_windows(best) * found.query.frames;
-    if (!is_largest || !is_better(found, before)) continue;
-    advice = fmt::format(
-        "With every {} frame of both sides, {} are recognized: the frames between them say little "
-        "new. Train with PATH@::{}, and query PATH@::{}.",
-        ordinal, recognized_text(found), step, step);
-    best = std::move(found);
-  }
-  return advice;
-}
-
-// A sentence if enough frames are recognized with every second or third frame of one side; empty if
-// not.
-std::string sparse_advice(const SequenceDatabase& database, const DescriptorSet& query,
-                          const SequenceQuerySettings& settings, const Result& before,
-                          const QueryResources& resources, const Monitor& monitor) {
-  const Monitor silent = {{}, {}, monitor.stop};
-  for (const auto& [step, ordinal] : {std::pair(2, "second"), std::pair(3, "third")}) {
-    const Selection some = at_speed(std::to_string(step), query.rows().size(), 1);
+    const DescriptorSet fewer =
+        selected(query, at_speed(std::to_string(step), query.rows().size(), 1));
+    const SequenceDatabase thin = thinned(database, step, silent);
+    if (const Result found = filtered(thin, fewer, settings, resources, monitor); is_best(found))
+      advice = fmt::format(
+          "With every {} frame of both sides, {} are recognized: the frames between them say "
+          "little new. Train with PATH@::{}, and query PATH@::{}.",
+          ordinal, recognized_text(found), step, step);
+    if (step > 3) continue;
     const bool is_flag_free = query.sequence.selection.speed.empty();
-    if (const Result found =
-            filtered(database, selected(query, some), settings, resources, monitor);
-        is_better(found, before))
-      return fmt::format(
+    if (const Result found = filtered(database, fewer, settings, resources, monitor);
+        is_best(found))
+      advice = fmt::format(
           "With every {} query frame{}, {} are recognized: the query is slow for the training "
           "sequence, or the training sequence has too few frames per second.",
           ordinal, is_flag_free ? fmt::format(" (--speed {})", step) : "", recognized_text(found));
-    if (const Result found =
-            filtered(thinned(database, step, silent), query, settings, resources, monitor);
-        is_better(found, before))
-      return fmt::format(
+    if (const Result found = filtered(thin, query, settings, resources, monitor); is_best(found))
+      advice = fmt::format(
           "With every {} training frame, {} are recognized: the query is fast for the training "
           "sequence. Train with PATH@::{}.",
           ordinal, recognized_text(found), step);
   }
-  return "";
+  return advice;
 }
 
 }  // namespace
@@ -207,10 +192,9 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
           "The query walked in the opposite direction: with reversed training sequences, {} of {} "
           "are recognized. Train this direction in a database of its own.",
           reversed, counted(frames, "frame"));
-    for (const auto& advice : {dense_advice, sparse_advice})
-      if (std::string text = advice(database, query, settings, forward, resources, monitor);
-          !text.empty())
-        return text;
+    if (std::string text = selection_advice(database, query, settings, forward, resources, monitor);
+        !text.empty())
+      return text;
     if (kFewest * recognized_windows(forward) < frames) {
       const size_t fewest = std::min(keyframes, trained);
       return fmt::format(

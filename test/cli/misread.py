@@ -118,7 +118,7 @@ def recordings():
     assert "Recognized none" not in run(*query, "again", "--margin", 0)
     images("long", 1, count=150, shift=3)
     run("vpr-train", "fastable", "--train", "long@::3", "-o", "third.vprdb", "--quiet")
-    assert "every second query frame (--speed 2), " in run("vpr-query", "third.vprdb", "--query", "long")
+    assert "every third query frame (--speed 3), " in run("vpr-query", "third.vprdb", "--query", "long")
     # Digits that are names: 000005.png is frame 4.
     truth = ("again.json", "--ground-truth")
     refused(2, "the filter has no matrix of its best matches", "vpr-eval", *truth, "aligned", "--matrix", "m.npy")
