@@ -130,6 +130,23 @@ TEST_CASE("bits from files match like LDB, also with hashing") {
   CHECK(report["metrics"]["recall_at"]["1"] == 1.0);
 }
 
+TEST_CASE("rows of arrays have the names and images of --query-images and --train-images") {
+  start_with(make_arrays);
+  std::string names;
+  for (int i = 0; i < 24; ++i) names += fmt::format("q/{:03}.jpg\n", i);
+  write_text("q.txt", names);
+  const std::string eval =
+      "vpr-eval matrix --query q.npy --train db.npy --query-images q.txt --train-images names.txt ";
+  run_ok(eval + "--top-k 1 --pairs pairs.txt");
+  CHECK(read_text("pairs.txt").starts_with("q/000.jpg db/030.jpg\nq/001.jpg db/031.jpg\n"));
+  // A ground truth of numbers does not use names.
+  std::string pairs = "query,reference\n";
+  for (int i = 0; i < 24; ++i) pairs += fmt::format("{},{}\n", i, i + 30);
+  write_text("pairs.csv", pairs);
+  const Json report = printed_json(eval + "--ground-truth pairs.csv --json");
+  CHECK(report["metrics"]["recall_at"]["1"] == 1.0);
+}
+
 TEST_CASE("exported descriptors have the same distances after import") {
   start_with(make_arrays);
   const auto distances = [&](const std::string& database, const std::string& query) {
