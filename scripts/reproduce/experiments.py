@@ -2,6 +2,7 @@
 import re
 from dataclasses import dataclass, field
 
+import along_path
 from laboratory import Failure, run, say
 
 # Settings of a row in scripts/reproduce/paper; its other keys are measures with the paper's numbers.
@@ -97,7 +98,8 @@ def run_floor(experiment, laboratory):
         elif "place_ground_truth" in query and data.content.get("places"):
             report = laboratory.report("fabmap", row["data"], row["query"], "--c-w", row["c_w"],
                                        "--t-p", row["t_p"])
-            ours.append(Measured(row, {**measures(report["counts"]), **shares(report)}))
+            ours.append(Measured(row, {**measures(report["counts"]), **shares(report),
+                                       "places on the path": len(along_path.frames_of_places(data, query))}))
         else:
             ours.append(Measured(row, reason="dataset.json has no places for FAB-MAP"))
     return ours
@@ -134,11 +136,12 @@ def shares(report):
 
 
 def run_maps(experiment, laboratory):
-    """Draws FAB-MAP and OpenABLE on the plan, as SVG and PNG in out/figures."""
+    """Draws FAB-MAP and OpenABLE on the plan, as SVG and PNG in out/figures, and compares the parts of the
+    path that they recognize."""
     ours = []
     for row in experiment["rows"]:
         name, query = row["data"], row["query"]
-        found, maps = {}, {}
+        found, maps, recognized = {}, {}, {}
         for title, method, settings, wrong in (
                 ("FAB-MAP", "fabmap", ["--c-w", row["c_w"], "--t-p", row["t_p"]], "incorrect"),
                 ("OpenABLE", "openable", ["--c-l", row["c_l"], "--t-r", row["t_r"]],
@@ -148,10 +151,13 @@ def run_maps(experiment, laboratory):
             found[f"{title} places"] = counts["distinct" if method == "fabmap" else "correct places"]
             found[f"{title} {wrong}"] = counts[wrong]
             found[f"{title} per cent of path"] = shares(report)["localized per cent"]
+            recognized[title] = [letter == "r" for letter in report["outcomes"]["recognized"]]
             maps[method] = laboratory.keep_result(f"map-{method}")
+        data = laboratory.data(name)
+        found |= along_path.compare(data, data.query(query), recognized)
         target = laboratory.figures / f"{name}-{query}"
         run(f"draw {target.name}", "vpr-eval", maps["fabmap"], "--dataset",
-            laboratory.data(name).description, "--map", target, "--map-with", maps["openable"], "--force")
+            data.description, "--map", target, "--map-with", maps["openable"], "--force")
         ours.append(Measured(row, found))
     return ours
 

@@ -9,6 +9,10 @@ numbers, or `rows` of them, must satisfy the kind.
   than          what is different in the numbers to compare with; all other settings, where both
                 have them, are the same
   contradicted  how the paper's table contradicts its text; the finding is not counted
+  of            the measure that counts what the ground truth has: a finding that asks for more asks for
+                all of it
+  one           a parameter that has one value in the paper, which the text does not state: all findings
+                with it are checked at the same value of ours, that at which most of them hold
   unchecked     why the paper has no number for the finding
   needs         what the finding needs that is not available, such as the paper's phones; it is then
                 checked on the paper's numbers only
@@ -16,7 +20,7 @@ numbers, or `rows` of them, must satisfy the kind.
 """
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 # Data set and query by the name of a sequence.
 NO_SETTINGS = ("paper", "ours", "low", "high", "data", "query", "unmeasured")
@@ -59,6 +63,7 @@ class Part:
     settings: dict  # of its first cell
     values: list
     others: list  # the parameter's values of a series, or the numbers to compare with
+    spreads: list = field(default_factory=list)  # quartiles of all compared times, in their order
 
 
 # For each kind: the parts that it checks, and its condition.
@@ -82,6 +87,21 @@ KINDS = {
 }
 
 
+def overlaps(one, other):
+    return one[0] <= other[1] and other[0] <= one[1]
+
+
+def is_separated(part, kind):
+    """Whether the quartiles of times that are compared do not overlap, so that their order is measured."""
+    if not all(part.spreads) or kind not in ORDERED:
+        return True
+    if KINDS[kind][0] == "series":
+        return not any(overlaps(*pair) for pair in zip(part.spreads, part.spreads[1:]))
+    return not any(overlaps(part.spreads[0], other) for other in part.spreads[1:])
+
+
+# Findings about the order of numbers.
+ORDERED = ("more than", "not more than", "rises with")
 # A finding about absence is measured only in rows in which something was recognized.
 ABSENCE = ("zero", "never rises with", "not more than")
 
@@ -107,6 +127,11 @@ def select(cells, where):
     return found if complete else []
 
 
+def spread_of(cell, whose):
+    """Quartiles of our times."""
+    return (cell["low"], cell["high"]) if whose == "ours" and "low" in cell else None
+
+
 def settings_of(cell, but=()):
     return {key: value for key, value in cell.items() if key not in (*NO_SETTINGS, *but)}
 
@@ -123,7 +148,8 @@ def series(finding, cells, whose):
         group.sort(key=lambda cell: cell[finding["over"][0]])
         parts.append(Part(settings_of(group[0], finding["over"]),
                           [number(cell[whose]) for cell in group],
-                          [cell[finding["over"][0]] for cell in group]))
+                          [cell[finding["over"][0]] for cell in group],
+                          [spread_of(cell, whose) for cell in group]))
     return parts if all(len(part.values) > 1 for part in parts) else []
 
 
@@ -133,11 +159,12 @@ def pairs(finding, cells, all_cells, whose):
     parts = []
     for cell in cells:
         own = settings_of(cell, finding["than"])
-        alike = [number(other[whose]) for other in others
+        alike = [other for other in others
                  if all(other.get(key, value) == value for key, value in own.items())]
         if not alike:
             return []
-        parts.append(Part(settings_of(cell), [number(cell[whose])], alike))
+        parts.append(Part(settings_of(cell), [number(cell[whose])], [number(other[whose]) for other in alike],
+                          [spread_of(one, whose) for one in (cell, *alike)]))
     return parts
 
 
@@ -183,6 +210,15 @@ def reason_of(finding, cells):
                                   else "there are no such numbers")
 
 
+def capped(finding, part, cells, whose):
+    """The finding with a bound that the ground truth of its part can reach (see `of`)."""
+    if "of" not in finding:
+        return finding
+    rows = {**part.settings, "measure": finding["of"]}
+    most = [number(cell[whose]) for cell in select(cells, rows)]
+    return {**finding, "low": min([finding["low"], *(value for value in most if value is not None)])}
+
+
 def check(finding, cells, whose="ours"):
     """Whether a finding holds on our numbers, or on the paper's, with its parts. `holds` is None if a
     number is missing, with the reason."""
@@ -191,8 +227,13 @@ def check(finding, cells, whose="ours"):
     parts = parts_of(finding, cells, whose)
     if not parts:
         return {"holds": None, "reason": reason_of(finding, cells), "parts": []}
+    if not all(is_separated(part, finding["kind"]) for part in parts):
+        return {"holds": None, "reason": "the quartiles of compared times overlap", "parts": []}
+    bounded = [capped(finding, part, cells, whose) for part in parts]
+    if "of" in finding and any(one["low"] <= 0 for one in bounded):
+        return {"holds": None, "reason": f"the ground truth has no {finding['of']}", "parts": []}
     judge = KINDS[finding["kind"]][1]
-    fits = [bool(judge(part, finding)) for part in parts]
+    fits = [bool(judge(part, bound)) for part, bound in zip(parts, bounded)]
     is_series = KINDS[finding["kind"]][0] == "series"
     return {"holds": sum(fits) >= min(finding.get("rows", len(fits)), len(fits)),
             "parts": [{"settings": part.settings, "values": part.values,
@@ -201,12 +242,35 @@ def check(finding, cells, whose="ours"):
                       for part, fit in zip(parts, fits)]}
 
 
+def at_one_value(listed, cells):
+    """The findings, each with the value of its parameter `one` at which most of those with this parameter
+    are measured and hold; the smallest of several."""
+    chosen = {}
+    for parameter in {finding["one"] for finding in listed if "one" in finding}:
+        alike = [finding for finding in listed if finding.get("one") == parameter]
+
+        def outcomes(value):
+            return [check(narrowed(finding, {parameter: value}), cells)["holds"] for finding in alike]
+
+        values = sorted({cell[parameter] for finding in alike for cell in select(cells, finding["where"])
+                         if parameter in cell}, reverse=True)
+        if values:
+            chosen[parameter] = max(values, key=lambda value: (
+                -outcomes(value).count(None), outcomes(value).count(True), -value))
+    return [narrowed(finding, {finding["one"]: chosen[finding["one"]]}) if finding.get("one") in chosen
+            else finding for finding in listed]
+
+
+def narrowed(finding, settings):
+    return {**finding, "where": {**finding["where"], **settings}}
+
+
 def check_all(experiment, cells, is_stand_in=True):
     """The findings for the JSON, with the outcome on our numbers. Trials are about stand-ins."""
     words = ("finding", "place", "kind", "contradicted", "unchecked", *(["tried"] if is_stand_in else []))
     subject = SUBJECTS[experiment["kind"] == "bench"]
     return [{**{key: finding[key] for key in words if key in finding}, "subject": subject,
-             **check(finding, cells)} for finding in experiment["findings"]]
+             **check(finding, cells)} for finding in at_one_value(experiment["findings"], cells)]
 
 
 def counted(outcomes, subject=None):

@@ -2,12 +2,14 @@
 """Output and messages of scripts/reproduce, without running an experiment; and the paper's findings
 (scripts/reproduce/paper): they hold on the paper's own numbers, each of them can fail, and every kind has its
 documented condition.   reproduce.py SOURCE"""
+import math
 import random
 import sys
 
 from support import call, folder, read_json, source, stub, with_path, write
 
 sys.path.insert(0, str(source / "scripts/reproduce"))
+import along_path  # noqa: E402
 import experiments  # noqa: E402
 import findings  # noqa: E402
 import laboratory as experiments_laboratory  # noqa: E402
@@ -152,7 +154,7 @@ def check_experiments():
 
 def paper_cells(experiment):
     """The paper's numbers as an experiment writes them, with themselves as ours."""
-    return experiments.cells_of([experiments.Measured(row, row, {"low": 0, "high": 0}) for row in experiment["rows"]])
+    return experiments.cells_of([experiments.Measured(row, row) for row in experiment["rows"]])
 
 
 def check_on_the_paper(name, experiment):
@@ -171,10 +173,110 @@ def check_that_it_can_fail(name, experiment):
         if "needs" in finding:
             assert findings.check(finding, cells)["holds"] is None, f"{name}: {finding['finding']}"
             continue
-        draws = (lambda: 1e6, lambda: engine.randrange(3), *[lambda: engine.randrange(1000)] * 20)
+        draws = (lambda: 1e6, *[lambda: engine.randrange(1, 9)] * 20, *[lambda: engine.randrange(1000)] * 20)
         found = {findings.check(finding, [{**cell, "ours": draw()} for cell in cells])["holds"] for draw in draws}
+        found |= {findings.check(finding, [{**cell, "ours": 0} for cell in cells])["holds"]} - {None}
         assert False in found, f"{name}: nothing refutes \"{finding['finding']}\": {found}"
         assert None not in found, f"{name}: \"{finding['finding']}\" finds no numbers"
+
+
+def check_that_silence_proves_nothing(name, experiment):
+    """No finding on recognition holds where nothing was recognized."""
+    silent = [{**cell, "ours": 0} for cell in paper_cells(experiment)]
+    for outcome in findings.check_all(experiment, silent):
+        assert outcome["subject"] == "time" or outcome["holds"] is not True, f"{name}: {outcome['finding']}"
+
+
+def places_on_path(world, query):
+    """The number of places of a rendered world that the path of a query passes in one of their headings."""
+    walk = next(walk for walk in world["walks"] if walk["name"] == query)
+    found = set()
+    for (x, y), (to_x, to_y) in zip(walk["path"], walk["path"][1:]):
+        heading = math.degrees(math.atan2(to_y - y, to_x - x))
+        for place in world["places"]:
+            if place["floor"] == walk["floor"] and any(
+                    abs(math.remainder(heading - view, 360)) <= 40 for view in place["headings"]):
+                if any(math.dist((place["x"], place["y"]),
+                                 (x + step / 100 * (to_x - x), y + step / 100 * (to_y - y))) <= 2.5
+                       for step in range(101)):
+                    found.add(place["name"])
+    return len(found)
+
+
+def check_that_it_can_hold(name, experiment):
+    """No finding asks for more places of FAB-MAP than the path of the stand-in passes."""
+    for finding in experiment["findings"]:
+        measured = finding.get("where", {}).get("measure")
+        if finding["kind"] != "at least" or "of" in finding or measured not in ("distinct", "FAB-MAP places"):
+            continue
+        for cell in findings.select(paper_cells(experiment), finding["where"]):
+            world = read_json(source / f"configs/worlds/{cell['data']}.json")
+            there = places_on_path(world, cell["query"])
+            assert finding["low"] <= there, f"{name}: \"{finding['finding']}\": the path passes {there} places"
+
+
+def check_one_value():
+    """Findings with one value of a parameter are checked at the same value of ours, the best for all of them."""
+    rows = ((20, 9, 3), (40, 5, 0), (60, 5, 0), (80, 9, None))  # c_l, right, wrong
+    cells = [{"c_l": c_l, "measure": measure, "ours": value, **({} if value is not None else {"unmeasured": "R"})}
+             for c_l, right, wrong in rows for measure, value in (("right", right), ("wrong", wrong))]
+    listed = [{"finding": "F", "place": "P", "kind": "at least", "where": {"measure": "right"}, "low": 5, "one": "c_l"},
+              {"finding": "G", "place": "P", "kind": "zero", "where": {"measure": "wrong"}, "one": "c_l"}]
+    outcomes = findings.check_all({"kind": "sequence", "findings": listed}, cells)
+    assert [outcome["holds"] for outcome in outcomes] == [True, True], outcomes
+    assert [outcome["parts"][0]["settings"]["c_l"] for outcome in outcomes] == [40, 40], outcomes
+    only = [cell for cell in cells if cell["c_l"] != 40 and cell["c_l"] != 60]  # one of two c_l is labeled
+    outcomes = findings.check_all({"kind": "sequence", "findings": listed}, only)
+    assert [outcome["holds"] for outcome in outcomes] == [True, False], outcomes
+
+
+def check_bound_of_ground_truth():
+    """A finding asks for at most what the ground truth has."""
+    def found(ours, there):
+        cells = [{"measure": "found", "ours": ours}, {"measure": "there", "ours": there}]
+        return findings.check({"kind": "at least", "where": {"measure": "found"}, "low": 6, "of": "there"}, cells)["holds"]
+
+    assert found(4, 4) is True and found(3, 4) is False and found(6, 9) is True and found(5, 9) is False
+    assert found(4, None) is False, "unknown ground truth"
+    assert found(0, 0) is None, "no place on the path"
+
+
+def check_overlapping_times():
+    """The order of times whose quartiles overlap was not measured."""
+    def found(kind, *times):
+        cells = [{"measure": "ms", "c_l": i, "ours": (low + high) / 2, "low": low, "high": high}
+                 for i, (low, high) in enumerate(times)]
+        more = {"over": ["c_l"], "where": {"measure": "ms"}} if kind == "rises with" else {
+            "where": {"measure": "ms", "c_l": 0}, "than": {"c_l": 1}}
+        return findings.check({"kind": kind, **more}, cells)["holds"]
+
+    assert found("more than", (5, 7), (1, 4)) is True and found("more than", (5, 7), (1, 5)) is None
+    assert found("more than", (1, 4), (5, 7)) is False
+    assert found("rises with", (1, 2), (3, 4)) is True and found("rises with", (1, 2), (3, 5), (4, 6)) is None
+
+
+def check_along_path():
+    """Near a turn is within 3 m of it, and parts are runs of frames."""
+    corner = [(float(min(i, 10)), float(max(0, i - 10)), 0.0 if i <= 10 else 90.0) for i in range(21)]  # 1 m apart
+    assert [i for i, near in enumerate(along_path.near_turns(corner)) if near] == [8, 9, 10, 11, 12, 13]
+    assert along_path.near_turns([]) == []
+    assert along_path.parts([True, True, False, True]) == [2, 1] and along_path.parts([False]) == []
+
+    class Data:
+        description = folder / "dataset.json"
+        content = {"fps": 2}
+
+    write("poses.csv", "frame,time,x,y,heading,floor\n" + "".join(
+        f"{i},{i},{x},{y},{heading},f\n" for i, (x, y, heading) in enumerate(corner)))
+    write("truth.csv", "query,reference,label\n1,0,same\n2,0,same\n9,1,same\n15,2,same\n5,3,ignore\n")
+    query = {"poses": "poses.csv", "place_ground_truth": {"format": "pairs", "path": "truth.csv"}}
+    compared = along_path.compare(Data(), query, {
+        "A": [i < 3 for i in range(21)], "B": [i in (2, 9, 10) for i in range(21)]})
+    expected = {"A per cent near turns": 0.0, "A per cent on straight stretches": 20.0, "B per cent near turns": 33.3,
+                "B per cent on straight stretches": 6.7, "A longest part in seconds": 1.5, "B mean part in seconds": 0.8,
+                "A per cent of the first third": 42.9, "B per cent of the middle third": 28.6, "places on the path": 3,
+                "places by both": 1, "places by A only": 0, "places by B only": 1}
+    assert {key: compared[key] for key in expected} == expected, compared
 
 
 def check_absence():
@@ -347,10 +449,16 @@ for path in sorted((source / "scripts/reproduce/paper").glob("*.json")):
     config = read_json(path)
     check_on_the_paper(path.stem, config)
     check_that_it_can_fail(path.stem, config)
+    check_that_silence_proves_nothing(path.stem, config)
+    check_that_it_can_hold(path.stem, config)
 check_kinds()
 check_missing()
 check_unmeasured()
 check_page()
 check_absence()
+check_one_value()
+check_bound_of_ground_truth()
+check_overlapping_times()
+check_along_path()
 check_missing_query()
 check_new_page()
