@@ -285,9 +285,9 @@ def summary(outcomes, subject=None):
     return {"hold": held.count(True), "fail": held.count(False), "not_measured": held.count(None)}
 
 
-def summary_table(outcomes):
+def summary_table(outcomes, subjects=SUBJECTS):
     """The summary of each subject, as Markdown."""
-    rows = [(subject, *summary(outcomes, subject).values()) for subject in SUBJECTS]
+    rows = [(subject, *summary(outcomes, subject).values()) for subject in subjects]
     return ["| findings on | hold | do not hold | not measured |", "|---|---:|---:|---:|",
             *(f"| {' | '.join(map(str, row))} |" for row in rows)]
 
@@ -344,22 +344,14 @@ def failing_lines(results):
             if outcome["holds"] is False]
 
 
-def failing(results):
-    """The findings that do not hold, as Markdown."""
+def times_block(results):
+    """The findings on times that do not hold, and the numbers of those that do, as Markdown."""
     outcomes = [outcome for result in results for outcome in counted(result["findings"])]
-    lines = summary_table(outcomes)
-    for subject in SUBJECTS:
-        lines += ["", f"### Findings on {subject} that do not hold", "",
-                  "| finding | in the paper | our numbers that do not fit |", "|---|---|---|"]
-        lines += [f"| {outcome['finding']} | {outcome['place']} | {evidence(outcome).removeprefix('ours ')} |"
-                  for outcome in outcomes
-                  if outcome["holds"] is False and outcome["subject"] == subject]
-    return lines
-
-
-def holding(results):
-    """The number of findings that hold, and of those that are counted, of each experiment."""
-    lines = ["| experiment | hold | of |", "|---|---:|---:|"]
+    lines = [*summary_table(outcomes, ("time",)), "", "| finding that does not hold | in the paper | our numbers that do not fit |",
+             "|---|---|---|"]
+    lines += [f"| {outcome['finding']} | {outcome['place']} | {evidence(outcome).removeprefix('ours ')} |"
+              for outcome in outcomes if outcome["holds"] is False]
+    lines += ["", "| experiment | hold | of |", "|---|---:|---:|"]
     for result in results:
         counts = summary(result["findings"])
         lines.append(f"| {result['title']} | {counts['hold']} | {counts['hold'] + counts['fail']} |")
@@ -368,22 +360,20 @@ def holding(results):
 
 PAGE = """# Reproduction of the paper
 
-<!-- failing: begin -->
-<!-- failing: end -->
+<!-- recognition: begin -->
+<!-- recognition: end -->
 
-## Findings by experiment
-
-<!-- holding: begin -->
-<!-- holding: end -->
+<!-- time: begin -->
+<!-- time: end -->
 """
 
 
-def write_page(path, results, context):
-    """Replaces the blocks of a page, between lines such as "<!-- failing: begin -->". A page that does
+def write_page(path, blocks):
+    """Replaces blocks of a page by name, each between lines such as "<!-- time: begin -->". A page that does
     not exist has only these blocks."""
     text = path.read_text() if path.exists() else PAGE
-    for name, block in (("failing", [context, "", *failing(results)]), ("holding", holding(results))):
+    for name, lines in blocks.items():
         begin, end = (f"<!-- {name}: {edge} -->\n" for edge in ("begin", "end"))
         before, rest = text.split(begin)
-        text = before + begin + "\n".join(block) + "\n" + end + rest.split(end)[1]
+        text = before + begin + "\n".join(lines) + "\n" + end + rest.split(end)[1]
     path.write_text(text)

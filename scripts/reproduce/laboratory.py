@@ -5,6 +5,7 @@ import os
 import pathlib
 import subprocess
 import sys
+import threading
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -23,8 +24,12 @@ class Failure(Exception):
         self.code = code
 
 
+ACTIVITY = threading.local()  # with `label`: of this thread's messages
+
+
 def say(sentence):
-    print(f"[{time.strftime('%H:%M:%S')}] {sentence}", file=sys.stderr, flush=True)
+    label = getattr(ACTIVITY, "label", "")
+    print(f"[{time.strftime('%H:%M:%S')}] {label}{sentence}", file=sys.stderr, flush=True)
 
 
 def run(what, program, *arguments):
@@ -80,7 +85,7 @@ class DataSet:
         self.is_stand_in = laboratory.folder is None
         if self.is_stand_in:
             self.description = self.work / name / "dataset.json"
-            self.render(laboratory.is_quick)
+            self.render(laboratory.is_quick, laboratory.seed)
         else:
             self.description = laboratory.folder / name / "dataset.json"
             if not self.description.exists():
@@ -95,15 +100,17 @@ class DataSet:
         if laboratory.is_quick and not self.is_stand_in and "fps" in self.content:
             self.thinned = ["--fps", f"{self.content['fps'] * QUICK_SHARE:g}"]
 
-    def render(self, is_quick):
+    def render(self, is_quick, seed):
         world = ROOT / f"configs/worlds/{self.name}.json"
         if is_fresh(self.description, world, BIN / "vpr-synth"):
             return
-        if is_quick:
-            small = self.work / f"{self.name}.json"
-            small.write_text(json.dumps(
-                {**read(world), "image_width": QUICK_WIDTH, "image_height": QUICK_HEIGHT}))
-            world = small
+        content = read(world)
+        changes = {"image_width": QUICK_WIDTH, "image_height": QUICK_HEIGHT} if is_quick else {}
+        if seed:
+            changes["seed"] = content["seed"] + seed
+        if changes:
+            world = self.work / f"{self.name}.json"
+            world.write_text(json.dumps({**content, **changes}))
         run(f"render the stand-in {self.name}", "vpr-synth", world, "-o", self.description.parent,
             "--force")
 
@@ -128,9 +135,10 @@ class DataSet:
 
 
 class Laboratory:
-    """Data sets and databases of one experiment, each made once."""
+    """Data sets and databases of one experiment, each made once. `seed` is added to the seed of each world."""
 
-    def __init__(self, out, folder, is_quick):
+    def __init__(self, out, folder, is_quick, seed=0):
+        self.seed = seed
         self.folder = pathlib.Path(folder) if folder else None
         self.is_quick = is_quick
         self.work = out / "reproduce"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Repeats the paper's tables: builds the programs, runs them, and prints the paper's numbers next to ours.
-#   run.sh EXPERIMENT [--data DIR] [--quick] [--again] [--out DIR]
+#   run.sh EXPERIMENT [--seeds N] [--data DIR] [--quick] [--again] [--out DIR]
 #   run.sh all [...] [--page FILE]     every experiment, then a summary
 # EXPERIMENT is the name of a file in scripts/reproduce/paper:
 #   tab1     FAB-MAP's c_w and t_p on the validation sequences

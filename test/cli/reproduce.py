@@ -14,6 +14,7 @@ import experiments  # noqa: E402
 import findings  # noqa: E402
 import laboratory as experiments_laboratory  # noqa: E402
 import reproduce  # noqa: E402
+import seeds  # noqa: E402
 import tables  # noqa: E402
 
 
@@ -324,11 +325,60 @@ def check_missing_query():
 
 def check_new_page():
     """A page that does not exist is made."""
-    outcome = {"finding": "F", "place": "P", "subject": "recognition", "holds": False,
+    outcome = {"finding": "F", "place": "P", "subject": "time", "holds": False,
                "parts": [{"settings": {}, "values": [1], "fits": False}]}
-    findings.write_page(folder / "new.md", [{"title": "Table", "findings": [outcome]}], "Context.")
+    made = {"title": "Table", "findings": [outcome], "quick": False, "timing": {"elapsed_s": 3},
+            "provenance": {"commit": "c", "data": []}}
+    reproduce.write_page(folder / "new.md", [], [made])
     text = (folder / "new.md").read_text()
-    assert "Context." in text and "| F | P | 1 |" in text and "| Table | 0 | 1 |" in text, text
+    assert "commit c." in text and "| F | P | 1 |" in text and "| Table | 0 | 1 |" in text, text
+
+
+def check_seeds():
+    """A finding holds over seeds if it holds in three quarters of them; its numbers are those of the part that
+    holds in the fewest."""
+    experiment = {"kind": "sequence", "title": "Table 8", "findings": [
+        {**ZERO, "finding": "F", "kind": "falls with", "over": ["c_l"], "where": {"measure": "m"}},
+        {**ZERO, "finding": "G", "kind": "at least", "low": 2, "where": {"measure": "m", "c_l": 2}},
+        {**ZERO, "finding": "H", "kind": "at least", "low": 2, "where": {"measure": "n"}, "unchecked": "U"}]}
+    made = []
+    for ours in ((3, 2), (3, 2), (9, 1), (1, 2)):
+        cells = [{"sequence": "S", "measure": "m", "c_l": c_l, "paper": paper, "ours": value}
+                 for c_l, paper, value in zip((1, 2), (5, 4), ours)]
+        cells.append({"sequence": "S", "measure": "n", "c_l": 1, "paper": "not stated", "ours": 7})
+        made.append({"experiment": "tab8", "title": "Table 8", "quick": False, "cells": cells,
+                     "findings": findings.check_all(experiment, cells), "timing": {"elapsed_s": 1.5},
+                     "provenance": {"commit": "c", "data": []}})
+    record = seeds.combine(experiment, made, [0, 1, 2, 3])
+    assert [(one["holds"], one["hold"], one["fail"]) for one in record["findings"]] == [
+        (True, 3, 1), (True, 3, 1), (True, 4, 0)], record["findings"]
+    assert record["cells"][0]["ours"] == [3, 3, 9, 1] and record["timing"]["elapsed_s"] == 6
+    lines = seeds.table(record)
+    assert "| F | P | 5, 4 | 3 (1 to 9), 2 (1 to 2) | 3 of 4 |" in lines, lines
+    assert "| H | P | as a figure | 7 | 4 of 4 |" in lines, lines
+    assert seeds.combine(experiment, made[2:], [2, 3])["findings"][1]["holds"] is False, "1 of 2"
+    image = seeds.figure(record)
+    assert image.count("<circle") == 8 and image.count('stroke="#c33"') == 2 and "S, c_l 2" in image, image
+    reproduce.write_page(folder / "page-of-seeds.md", [record], [])
+    text = (folder / "page-of-seeds.md").read_text()
+    assert "| recognition | 3 | 0 | 0 |" in text and "Seeds: 4." in text, text
+    assert (folder / "page-of-seeds-tab8.svg").read_text() == image
+    tables.write_json(folder / "tab8-seeds.json", {**record, "provenance": []})
+    checked = call(sys.executable, source / "scripts/dev/check_schemas.py", "tab8-seeds.json")
+    assert checked.returncode in (0, 77), (checked.stdout, checked.stderr)
+
+
+def check_arguments():
+    """A page has the seeds of a record, recordings have none."""
+    def number(*words):
+        return reproduce.arguments_of(words).seeds
+
+    assert (number("tab4"), number("tab4", "--seeds", "3")) == (1, 3)
+    assert (number("all", "--page", "p"), number("all", "--page", "p", "--quick")) == (8, 2)
+    assert number("all", "--page", "p", "--data", "d") == 1
+    for words in (("tab4", "--seeds", "0"), ("tab4", "--seeds", "2", "--data", "d")):
+        done = call(sys.executable, source / "scripts/reproduce/reproduce.py", *words)
+        assert done.returncode == 2 and "--seeds" in done.stderr, done.stderr
 
 
 def cells_of(values, **settings):
@@ -410,33 +460,23 @@ def check_unmeasured():
 
 
 def check_page():
-    """The page lists findings that do not hold with their numbers, and counts the others."""
+    """A page keeps the blocks without new results, and lists findings on times that do not hold."""
     every = [ZERO, {**ZERO, "finding": "G", "kind": "at least", "low": 0},
              {**ZERO, "finding": "H", "contradicted": "table 9 has 1"},
              {**ZERO, "finding": "I", "where": {"measure": "n"}}]
-    found = [{"title": title, "findings": findings.check_all(
-        {"kind": kind, "findings": listed}, cells_of([0, 1]))}
-        for title, kind, listed in (("Table 8", "sequence", every),
-                                    ("Table 9", "bench", [{**ZERO, "tried": "It holds idle."}]))]
-    head = ["| finding | in the paper | our numbers that do not fit |", "|---|---|---|"]
-    failing = findings.failing(found)
-    assert failing == [
-        "| findings on | hold | do not hold | not measured |", "|---|---:|---:|---:|",
-        "| recognition | 1 | 1 | 1 |", "| time | 0 | 1 | 0 |",
-        "", "### Findings on recognition that do not hold", "", *head,
-        "| F | P | 1 of 2 rows: c_l 2: 1 |",
-        "", "### Findings on time that do not hold", "", *head,
-        "| F | P | 1 of 2 rows: c_l 2: 1 |"], failing
-    holding = findings.holding(found)
-    assert holding == [
-        "| experiment | hold | of |", "|---|---:|---:|", "| Table 8 | 1 | 2 |", "| Table 9 | 0 | 1 |"], (
-        holding)
-    page = folder / write("page.md", "A\n<!-- failing: begin -->\nstale\n<!-- failing: end -->\nB\n"
-                          "<!-- holding: begin -->\n<!-- holding: end -->\nC\n")
-    findings.write_page(page, found, "Today.")
+    found = [{"title": title, "findings": findings.check_all({"kind": "bench", "findings": listed}, cells_of([0, 1]))}
+             for title, listed in (("Table 8", every), ("Table 9", [{**ZERO, "tried": "It holds idle."}]))]
+    block = findings.times_block(found)
+    assert block == [
+        "| findings on | hold | do not hold | not measured |", "|---|---:|---:|---:|", "| time | 1 | 2 | 1 |", "",
+        "| finding that does not hold | in the paper | our numbers that do not fit |", "|---|---|---|",
+        "| F | P | 1 of 2 rows: c_l 2: 1 |", "| F | P | 1 of 2 rows: c_l 2: 1 |", "",
+        "| experiment | hold | of |", "|---|---:|---:|", "| Table 8 | 1 | 2 |", "| Table 9 | 0 | 1 |"], block
+    page = folder / write("page.md", "A\n<!-- recognition: begin -->\nkept\n<!-- recognition: end -->\nB\n"
+                          "<!-- time: begin -->\nstale\n<!-- time: end -->\nC\n")
+    findings.write_page(page, {"time": block})
     text = page.read_text()
-    assert (text.startswith("A\n<!-- failing: begin -->\nToday.\n\n| findings on") and "stale" not in text
-          and text.endswith("| Table 9 | 0 | 1 |\n<!-- holding: end -->\nC\n")), text
+    assert "\nkept\n" in text and "stale" not in text and text.endswith("| Table 9 | 0 | 1 |\n<!-- time: end -->\nC\n"), text
 
 
 check_mistyped_name()
@@ -462,3 +502,5 @@ check_overlapping_times()
 check_along_path()
 check_missing_query()
 check_new_page()
+check_seeds()
+check_arguments()
