@@ -63,7 +63,7 @@ std::pair<Command, Bench<Settings>&> add_bench(
   const Command command = program.add_command(name, description, example, run_bench);
   program.add_config(command, bench->settings);
   add_format_flag(command, bench->format).group("Reports");
-  command.add_option("--plot", bench->plots, "folder for plots (SVG and PNG)", "Reports");
+  command.add_option("--plot", bench->plots, "folder for plots (SVG, PDF and PNG)", "Reports");
   return {command, *bench};
 }
 

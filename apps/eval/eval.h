@@ -14,6 +14,7 @@
 #include "evaluate/expectation.h"
 #include "evaluate/report.h"
 #include "evaluate/score_matrix.h"
+#include "present/chart.h"
 #include "present/table.h"
 #include "query/result_file.h"
 
@@ -67,6 +68,7 @@ struct EvalFlags {
   std::string expected;
   bool update = false;
   std::string map_with;
+  FigureSettings figure;
   std::optional<uint64_t> top_k;
   std::string query_name;  ///< of scores
   std::string data_set;
@@ -76,6 +78,9 @@ struct EvalFlags {
   /// The path of an output by its flag.
   const std::string& output(std::string_view flag) const;
 };
+
+/// --plot-size and --plot-limits.
+void add_figure_flags(const Command& command, FigureSettings& figure, const std::string& group);
 
 /// A result, or the scores of the flags.
 struct EvalRow {

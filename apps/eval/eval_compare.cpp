@@ -25,6 +25,7 @@ struct CompareInputs {
   ComparisonSettings settings;
   std::string html;
   std::string plots;
+  FigureSettings figure;
   TableFormat format = TableFormat::text;
 };
 
@@ -133,8 +134,8 @@ void run_compare(Session& session, const CompareInputs& inputs) {
   session.write_output(json);
   if (!inputs.html.empty()) session.outputs.file(inputs.html).write(comparison_page(comparisons));
   if (!inputs.plots.empty())
-    draw_comparison(comparisons,
-                    session.outputs.folder(inputs.plots, is_marked_folder).temporary());
+    draw_comparison(comparisons, session.outputs.folder(inputs.plots, is_marked_folder).temporary(),
+                    inputs.figure);
   session.print_result(output_text(session, inputs.format, comparison_text(comparisons),
                                    comparison_tables(comparisons, inputs.format)),
                        json);
@@ -168,8 +169,9 @@ void add_compare(Program& program) {
                      "HTML page with the tables, and curves and paths of all reports",
                      kEssentialGroup, "FILE");
   command.add_option("--plot", inputs->plots,
-                     "folder for curves and paths of all reports, as SVG and PNG", kEssentialGroup,
-                     "FOLDER");
+                     "folder for curves and paths of all reports, as SVG, PDF and PNG",
+                     kEssentialGroup, "FOLDER");
+  add_figure_flags(command, inputs->figure, kMoreGroup);
   add_setting(command, "--block", inputs->settings.block,
               "consecutive frames that are resampled together, since neighbors depend on each "
               "other (default: from the autocorrelation of correct best matches)",

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -28,6 +30,22 @@ constexpr const char* kMetricGroup = "Metrics";
 void check_range(const char* flag, uint64_t value, uint64_t most) {
   if (value == 0 || value > most)
     throw Error(ErrorKind::usage, "{} must be 1 to {}, found {}", flag, most, value);
+}
+
+// Numbers between separators, each in the range.
+std::vector<double> read_numbers(const std::string& flag, const std::string& text, char separator,
+                                 size_t count, std::pair<double, double> range) {
+  std::vector<double> numbers;
+  for (const std::string_view part : split(text, separator))
+    if (const auto number = parse_number<double>(part);
+        number && *number >= range.first && *number <= range.second)
+      numbers.push_back(*number);
+  if (numbers.size() != count ||
+      static_cast<size_t>(std::ranges::count(text, separator)) + 1 != count)
+    throw Error(ErrorKind::usage,
+                "{} needs {} numbers from {} to {}, separated by {}, found \"{}\"", flag, count,
+                range.first, range.second, separator, shortened(text));
+  return numbers;
 }
 
 std::string metrics_help() {
@@ -73,6 +91,7 @@ void add_evaluation_flags(Program& program, const Command& command, EvalFlags& f
     if (const EvalOutput& output = eval_outputs()[i]; output.of_scores || !of_scores)
       command.add_option(std::string(output.flag), flags.outputs[i], std::string(output.help),
                          output.group, output.draw != nullptr ? "FOLDER" : "FILE");
+  add_figure_flags(command, flags.figure, kPictureGroup);
   const std::string group = of_scores ? kEssentialGroup : kPictureGroup;
   const std::string without_scores =
       of_scores ? "; without SCORES, descriptors (n x d array, .npy) to compare" : "";
@@ -139,6 +158,26 @@ void add_truth_flags(const Command& command, TruthSource& truth) {
                      kGroundTruthGroup, "FILE");
 }
 
+void add_figure_flags(const Command& command, FigureSettings& figure, const std::string& group) {
+  command.add_option(
+      "--plot-size",
+      [&figure](const std::string& text) {
+        const auto size = read_numbers("--plot-size", text, 'x', 2, {40, 1000});
+        figure.size_mm = {size[0], size[1]};
+      },
+      "width and height of plots in mm, as in 85x60; without titles, for papers", group, "WxH");
+  command.add_option(
+      "--plot-limits",
+      [&figure](const std::string& text) {
+        figure.limits = read_numbers("--plot-limits", text, ',', 4, {0, 1});
+        if (figure.limits[0] >= figure.limits[1] || figure.limits[2] >= figure.limits[3])
+          throw Error(ErrorKind::usage, "--plot-limits needs limits in rising order, found \"{}\"",
+                      shortened(text));
+      },
+      "least and greatest recall, then precision, of precision-recall plots (default: 0,1,0,1)",
+      group, "R,R,P,P");
+}
+
 void add_result_flags(Program& program, const Command& command, EvalFlags& flags) {
   command.add_option("RESULT", flags.results,
                      "result of vpr-query; several make one table with one row per result");
@@ -197,8 +236,7 @@ void add_matrix_flags(Program& program, const Command& command, EvalFlags& flags
       .group(rows);
   add_evaluation_flags(program, command, flags, true);
   command.add_option("--query-name", flags.query_name,
-                     "name of the query in tables (default: of --query)",
-                     kFileGroup, "NAME");
+                     "name of the query in tables (default: of --query)", kFileGroup, "NAME");
   command
       .add_option("--recall-at", flags.by.recall_at, "K of recall@K (default: 1,5,10,20)",
                   kMetricGroup, "LIST")

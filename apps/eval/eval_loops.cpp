@@ -161,8 +161,8 @@ void add_loops(Program& program) {
   command.add_option("--html", inputs->html,
                      "HTML page with the map and the curve; one file that opens without a network",
                      kEssentialGroup, "FILE");
-  command.add_option("--plot", inputs->plots, "folder for the map and the curve as SVG and PNG",
-                     kMoreGroup, "FOLDER");
+  command.add_option("--plot", inputs->plots,
+                     "folder for the map and the curve as SVG, PDF and PNG", kMoreGroup, "FOLDER");
   command.add_option("--pose-times", inputs->times,
                      "times of --poses without times (KITTI's times.txt), one per line", kMoreGroup,
                      "FILE");

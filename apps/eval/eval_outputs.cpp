@@ -209,7 +209,8 @@ std::string html_text(const EvalRun& run, const Evaluated& evaluated) {
 }
 
 void draw_plots(const EvalRun& run, const Evaluated& evaluated, const fs::path& folder) {
-  draw_evaluation(evaluated.evaluation, evaluated.report, folder, run.session.monitor);
+  draw_evaluation(evaluated.evaluation, evaluated.report, folder, run.flags.figure,
+                  run.session.monitor);
 }
 
 std::string questions_text(const EvalRun& run, const Evaluated& evaluated,
@@ -285,7 +286,7 @@ constexpr EvalOutput kOutputs[] = {
      .of_scores = true,
      .text = html_text},
     {.flag = "--plot",
-     .help = "folder for curves, timeline and matrix with ground truth, as SVG and PNG",
+     .help = "folder for curves, timeline and matrix with ground truth, as SVG, PDF and PNG",
      .group = kPictureGroup,
      .of_scores = true,
      .draw = draw_plots},
@@ -310,7 +311,7 @@ constexpr EvalOutput kOutputs[] = {
          }},
     {.flag = "--map",
      .help = "folder for a map with plan, training paths and recognitions along the query's path, "
-             "as SVG and PNG; needs --dataset with poses",
+             "as SVG, PDF and PNG; needs --dataset with poses",
      .group = kPictureGroup,
      .lacks = [](const EvalFlags& flags) -> std::string_view {
        if (!flags.truth.dataset.empty()) return "";

@@ -37,7 +37,7 @@ std::string loops_mistakes(const LoopsEvaluation& evaluation, size_t most = 20);
 /// frames that have a loop.
 Chart loops_map_chart(const LoopsEvaluation& evaluation);
 
-/// Writes loops and, if there are scores, precision-recall as SVG and PNG into the folder of an
+/// Writes loops and, if there are scores, precision-recall as SVG, PDF and PNG into the folder of an
 /// output. Throws Error(output).
 void draw_loops(const LoopsEvaluation& evaluation, const std::filesystem::path& folder);
 

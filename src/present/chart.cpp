@@ -157,6 +157,23 @@ std::string grays_svg(const Drawing& drawing, bool for_page, std::string_view id
   return for_page ? svg : svg + svg_text(area.left, y + 46, "start", image.gray_label);
 }
 
+// The nested element cuts what limits of the axes exclude.
+std::string cut_series_svg(const Drawing& drawing, size_t series) {
+  const auto is_outside = [&](const auto& point) {
+    const auto exceeds = [](const AxisScale& axis, double value) {
+      return value < std::min(axis.from, axis.to) || value > std::max(axis.from, axis.to);
+    };
+    return exceeds(drawing.at.x, point.first) || exceeds(drawing.at.y, point.second);
+  };
+  const std::string svg = series_svg(drawing, series);
+  if (std::ranges::none_of(drawing.chart.series[series].points, is_outside)) return svg;
+  const ChartArea& area = drawing.at.area;
+  return fmt::format(
+      "<svg x=\"{0:.1f}\" y=\"{1:.1f}\" width=\"{2:.1f}\" height=\"{3:.1f}\" viewBox=\"{0:.1f} "
+      "{1:.1f} {2:.1f} {3:.1f}\">{4}</svg>\n",
+      area.left, area.top, area.width, area.height, svg);
+}
+
 std::string body_of(const Drawing& drawing, bool for_page = false, bool uses_other = false) {
   const Chart& chart = drawing.chart;
   std::string svg;
@@ -164,13 +181,15 @@ std::string body_of(const Drawing& drawing, bool for_page = false, bool uses_oth
   if (!chart.is_plan) svg += ticks_and_labels_svg(drawing) + bands_svg(drawing);
   for (const bool behind : {true, false})
     for (size_t s = 0; s < chart.series.size(); ++s)
-      if ((chart.series[s].style == SeriesStyle::boxes) == behind) svg += series_svg(drawing, s);
+      if ((chart.series[s].style == SeriesStyle::boxes) == behind)
+        svg += cut_series_svg(drawing, s);
   svg += labels_svg(drawing) + runs_svg(drawing);
   if (chart.image) svg += grays_svg(drawing, for_page, uses_other ? "grays-again" : "grays");
   return svg;
 }
 
 std::string title_svg(const Drawing& drawing) {
+  if (drawing.chart.title.empty()) return "";
   const double room = drawing.at.width - 20;
   const double size =
       std::min(16.0, 16.0 * room / std::max(1.0, text_width(drawing.chart.title, 17)));
@@ -220,6 +239,20 @@ std::string page_svg(const Chart& chart, std::string_view screen) {
 
 Series series_of(Meaning meaning, SeriesStyle style, SeriesMark mark) {
   return {std::string(color_of(meaning).words), {}, style, meaning, mark};
+}
+
+Chart in_figure(Chart chart, const FigureSettings& figure) {
+  constexpr double kUnitsPerMm = 96 / 25.4;
+  if (const auto& at = figure.limits; !at.empty() && chart.file.starts_with(kPrecisionRecall)) {
+    chart.x.range = {at[0], at[1]};
+    chart.y.range = {at[2], at[3]};
+  }
+  if (!figure.size_mm) return chart;
+  chart.title.clear();
+  if (chart.image) return chart;
+  chart.width = figure.size_mm->first * kUnitsPerMm;
+  if (!chart.y.has_text_inside) chart.height = figure.size_mm->second * kUnitsPerMm;
+  return chart;
 }
 
 void erase_empty_series(Chart& chart) {
@@ -296,7 +329,9 @@ std::string chart_png(const std::vector<Chart>& charts, size_t columns) {
 
 void draw_charts(const std::vector<Chart>& charts, size_t columns, const std::string& file,
                  const std::filesystem::path& folder) {
-  write_part(folder / (file + ".svg"), svg_file(charts, columns));
+  const std::string svg = svg_file(charts, columns);
+  write_part(folder / (file + ".svg"), svg);
+  write_part(folder / (file + ".pdf"), pdf_of_svg(svg));
   write_part(folder / (file + ".png"), chart_png(charts, columns));
 }
 

@@ -1,4 +1,4 @@
-// Colors by meaning, charts as data, their layout, and their output as SVG and PNG.
+// Colors by meaning, charts as data, their layout, and their output as SVG, PDF and PNG.
 #pragma once
 
 #include <filesystem>
@@ -167,11 +167,24 @@ std::string svg_file(const std::vector<Chart>& charts, size_t columns = 1);
 /// The same as the bytes of a PNG file.
 std::string chart_png(const std::vector<Chart>& charts, size_t columns = 1);
 
-/// Writes <file>.svg and <file>.png into the folder of an output (Output::temporary). Throws
-/// Error(output).
+/// Writes <file>.svg, <file>.pdf and <file>.png into the folder of an output (Output::temporary).
+/// Throws Error(output).
 void draw_chart(const Chart& chart, const std::filesystem::path& folder);
 void draw_charts(const std::vector<Chart>& charts, size_t columns, const std::string& file,
                  const std::filesystem::path& folder);
+
+/// Figures for a paper. `size_mm`: width and height, without a title, because papers have captions;
+/// neither images nor the height of lanes change.
+struct FigureSettings {
+  std::optional<std::pair<double, double>> size_mm;
+  std::vector<double> limits;  ///< recall from, to, precision from, to; empty: 0 to 1
+};
+
+/// The chart with these settings. Limits belong to charts of precision and recall.
+Chart in_figure(Chart chart, const FigureSettings& figure);
+
+/// The file of charts of precision and recall.
+inline constexpr std::string_view kPrecisionRecall = "precision-recall";
 
 /// From values on an axis to units of the SVG.
 struct AxisScale {
@@ -244,5 +257,7 @@ std::string png_of(const cv::Mat& image);
 /// unit. The SVG cannot open other files. Throws Error(internal) if the text is not an SVG, or too
 /// large.
 std::string png_of_svg(const std::string& svg, double zoom);
+/// The same as the bytes of a PDF file of vectors with embedded fonts, without a date.
+std::string pdf_of_svg(const std::string& svg);
 
 }  // namespace vpr

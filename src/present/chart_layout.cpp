@@ -231,7 +231,8 @@ ChartLayout layout_of(const Chart& chart, bool for_page) {
   thin_ticks(layout.x_ticks, layout.x, true);
   layout.has_steep_names = is_steep(chart, layout);
   layout.names_height = height_of_names(chart, layout.has_steep_names);
-  area.top = (for_page ? 8 : 38) + (chart.y.label.empty() ? 0 : kLine + 6) + layout.names_height;
+  area.top = (for_page || chart.title.empty() ? 8 : 38) + (chart.y.label.empty() ? 0 : kLine + 6) +
+             layout.names_height;
   double below = chart.is_plan ? 10 : 22 + (chart.x.label.empty() ? 0 : kLine + 4);
   if (!chart.runs.empty()) below += 30;
   if (chart.image && chart.image->grays) below += for_page ? 40 : 58;

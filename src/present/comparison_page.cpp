@@ -122,13 +122,13 @@ std::string comparison_page(std::span<const ComparisonReport> comparisons) {
 }
 
 void draw_comparison(std::span<const ComparisonReport> comparisons,
-                     const std::filesystem::path& folder) {
+                     const std::filesystem::path& folder, const FigureSettings& figure) {
   for (size_t i = 0; i < comparisons.size(); ++i) {
     const std::string title = title_of(comparisons.subspan(i, 1));
     for (Chart chart : {curves_overlay(title, comparisons[i].reports),
                         lanes_chart(title, comparisons[i].reports)}) {
       if (comparisons.size() > 1) chart.file += fmt::format("-{}", i + 1);
-      draw_chart(chart, folder);
+      draw_chart(in_figure(chart, figure), folder);
     }
   }
 }

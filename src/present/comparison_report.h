@@ -87,9 +87,9 @@ std::string comparison_tables(std::span<const ComparisonReport> comparisons, Tab
 /// One file without external references: verdicts along the path, curves, and the tables.
 std::string comparison_page(std::span<const ComparisonReport> comparisons);
 
-/// Writes precision-recall and lanes as SVG and PNG into the folder of an output; of several data
-/// sets, with their numbers in the names. Throws Error(output).
+/// Writes precision-recall and lanes as SVG, PDF and PNG into the folder of an output; of several
+/// data sets, with their numbers in the names. Throws Error(output).
 void draw_comparison(std::span<const ComparisonReport> comparisons,
-                     const std::filesystem::path& folder);
+                     const std::filesystem::path& folder, const FigureSettings& figure);
 
 }  // namespace vpr

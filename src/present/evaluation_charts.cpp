@@ -89,8 +89,8 @@ Chart recall_chart(const Report& report, const Judgment& judgment) {
   chart.y.label = "recall@K";
   chart.y.range = {0, 1};
   chart.x.range = {1, static_cast<double>(std::max<size_t>(2, judgment.recall_at.back()))};
-  Series& series = chart.series.emplace_back(Series{
-      "recall@K", {}, SeriesStyle::line_and_points, Meaning::best_matches, SeriesMark::disc});
+  Series& series = chart.series.emplace_back(
+      Series{"recall@K", {}, SeriesStyle::points, Meaning::best_matches, SeriesMark::disc});
   for (const size_t k : judgment.recall_at) {
     const std::optional<double> recall = recall_at(judgment.outcomes, k);
     if (!recall) continue;  // beyond the shortest list
@@ -148,8 +148,13 @@ ScoreUnit score_unit(const Report& report) {
 
 std::vector<std::pair<double, double>> curve_points(const Curve& curve) {
   std::vector<std::pair<double, double>> points;
-  for (const CurvePoint& point : thinned(curve, kMostPoints))
-    points.emplace_back(curve.recall(point), Curve::precision(point));
+  double recall = 0;
+  for (const CurvePoint& point : thinned(curve, kMostPoints)) {
+    const double precision = Curve::precision(point);
+    if (points.empty() || points.back().second != precision) points.emplace_back(recall, precision);
+    recall = curve.recall(point);
+    if (points.back().first != recall) points.emplace_back(recall, precision);
+  }
   return points;
 }
 
@@ -167,7 +172,7 @@ std::vector<ChartStretch> verdict_stretches(const std::vector<Verdict>& verdicts
 }
 
 Chart precision_recall_chart(const std::string& title) {
-  Chart chart{"precision-recall", title, {"recall"}};
+  Chart chart{std::string(kPrecisionRecall), title, {"recall"}};
   chart.y.label = "precision";
   chart.x.range = chart.y.range = {0, 1};
   return chart;
@@ -183,6 +188,31 @@ Chart curve_chart(const Report& report, const Judgment& judgment) {
     chart.series.back().points = curve_points(*curve);
   }
   erase_empty_series(chart);
+  return chart;
+}
+
+Chart tolerance_chart(const Report& report, const Judgment& judgment, const GroundTruth& truth) {
+  constexpr int64_t kMostFrames = 10;
+  Chart chart{"recall-tolerance", evaluation_title(report), {"tolerance in training frames"}};
+  chart.y.label = "R@1";
+  chart.y.range = {0, 1};
+  const int64_t most = std::max(kMostFrames, 2 * truth.tolerance_frames);
+  chart.x.range = {0, static_cast<double>(most)};
+  const uint64_t positives = judgment.single_best.positives;
+  if (!truth.is_known || !truth.asked.empty() || report.has_places() || positives == 0)
+    return chart;
+  Series& series = chart.series.emplace_back(
+      Series{"R@1", {}, SeriesStyle::points, Meaning::best_matches, SeriesMark::disc});
+  GroundTruth at = truth;
+  for (at.tolerance_frames = 0; at.tolerance_frames <= most; ++at.tolerance_frames) {
+    const auto correct =
+        std::ranges::count_if(judgment.outcomes.queries, [&](const QueryOutcome& query) {
+          return query.has_match && query.best &&
+                 label_of(at, {query.frame, *query.best}) == PlaceLabel::same;
+        });
+    series.points.emplace_back(static_cast<double>(at.tolerance_frames),
+                               static_cast<double>(correct) / static_cast<double>(positives));
+  }
   return chart;
 }
 
@@ -291,18 +321,20 @@ Chart matrix_chart(const Evaluation& evaluation, const Report& report, size_t mo
 }
 
 void draw_evaluation(const Evaluation& evaluation, const Report& report,
-                     const std::filesystem::path& folder, const Monitor& monitor) {
+                     const std::filesystem::path& folder, const FigureSettings& figure,
+                     const Monitor& monitor) {
   const Judgment& judgment = evaluation.judgment;
   std::vector<Chart> charts = {curve_chart(report, judgment), risk_chart(report, judgment)};
   if (judgment.outcomes.has_ranks && judgment.single_best.positives > 0)
     charts.push_back(recall_chart(report, judgment));
+  charts.push_back(tolerance_chart(report, judgment, evaluation.truth));
   charts.push_back(timeline_chart(report, judgment, evaluation.truth, monitor));
   charts.push_back(margin_chart(report, judgment));
   for (const Chart& chart : charts)
-    if (!chart.series.empty()) draw_chart(chart, folder);
+    if (!chart.series.empty()) draw_chart(in_figure(chart, figure), folder);
   Chart chart = matrix_chart(evaluation, report, kMatrixSide, monitor);
   chart.title = evaluation_title(report);
-  draw_chart(chart, folder);
+  draw_chart(in_figure(chart, figure), folder);
 }
 
 }  // namespace vpr

@@ -19,7 +19,8 @@ namespace vpr {
 /// The axes of precision against recall, without a series.
 Chart precision_recall_chart(const std::string& title);
 
-/// Recall and precision at no more than 1000 points of the curve, selected by `thinned`.
+/// The curve in steps, of which AP is the area: the precision of each point holds from the recall
+/// of the previous one to its own. At no more than 1000 points, selected by `thinned`.
 std::vector<std::pair<double, double>> curve_points(const Curve& curve);
 
 /// Consecutive frames with the same verdict other than none.
@@ -62,12 +63,18 @@ Chart timeline_chart(const Report& report, const Judgment& judgment, const Groun
 Chart matrix_chart(const Evaluation& evaluation, const Report& report, size_t most_pixels,
                    const Monitor& monitor);
 
+/// The share of correct best matches at tolerances from 0 to 10 frames, or to twice that of the
+/// ground truth. No series without frames with a match, and for labels and places.
+Chart tolerance_chart(const Report& report, const Judgment& judgment, const GroundTruth& truth);
+
 ScoreUnit score_unit(const Report& report);
 
-/// Writes precision-recall, risk-coverage, recall@K (if ranks are known), timeline, margins (if
-/// known) and matrix as SVG and PNG into the folder of an output. Throws Error(output).
+/// Writes precision-recall, risk-coverage, recall@K (if ranks are known), R@1 by tolerance,
+/// timeline, margins (if known) and matrix as SVG, PDF and PNG into the folder of an output. Throws
+/// Error(output).
 void draw_evaluation(const Evaluation& evaluation, const Report& report,
-                     const std::filesystem::path& folder, const Monitor& monitor);
+                     const std::filesystem::path& folder, const FigureSettings& figure,
+                     const Monitor& monitor);
 
 struct MapPanel {
   std::string title;
@@ -95,7 +102,7 @@ Chart plan_chart(const std::string& file, const std::string& title, std::vector<
 std::vector<Chart> route_charts(const RouteMap& map, const std::vector<MapPanel>& panels,
                                 const Monitor& monitor = {});
 
-/// Writes map.svg and map.png into the folder of an output. Throws Error(output).
+/// Writes map.svg, map.pdf and map.png into the folder of an output. Throws Error(output).
 void draw_route_map(const RouteMap& map, const std::vector<MapPanel>& panels,
                     const std::filesystem::path& folder, const Monitor& monitor);
 

@@ -2,6 +2,7 @@
 #include <memory>
 #include <vector>
 
+#include <cairo-pdf.h>
 #include <librsvg/rsvg.h>
 #include <opencv2/imgcodecs.hpp>
 
@@ -46,6 +47,24 @@ cairo_status_t append(void* bytes, const unsigned char* data, unsigned int lengt
   return CAIRO_STATUS_SUCCESS;
 }
 
+struct Size {
+  double width = 0;
+  double height = 0;
+};
+
+Size size_of(const Handle& handle) {
+  Size size;
+  if (!rsvg_handle_get_intrinsic_size_in_pixels(handle.get(), &size.width, &size.height))
+    fail(nullptr);
+  return size;
+}
+
+void draw(const Handle& handle, const Painter& painter, const Size& size) {
+  const RsvgRectangle whole{0, 0, size.width, size.height};
+  GError* error = nullptr;
+  if (!rsvg_handle_render_document(handle.get(), painter.get(), &whole, &error)) fail(error);
+}
+
 }  // namespace
 
 std::string png_of(const cv::Mat& image) {
@@ -57,21 +76,33 @@ std::string png_of(const cv::Mat& image) {
 
 std::string png_of_svg(const std::string& svg, double zoom) {
   const Handle handle = read_svg(svg);
-  double width = 0;
-  double height = 0;
-  if (!rsvg_handle_get_intrinsic_size_in_pixels(handle.get(), &width, &height)) fail(nullptr);
-  const RsvgRectangle whole{0, 0, std::ceil(width * zoom), std::ceil(height * zoom)};
-  const Surface surface(cairo_image_surface_create(
-      CAIRO_FORMAT_RGB24, static_cast<int>(whole.width), static_cast<int>(whole.height)));
+  const Size svg_size = size_of(handle);
+  const Size size{std::ceil(svg_size.width * zoom), std::ceil(svg_size.height * zoom)};
+  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(size.width),
+                                                   static_cast<int>(size.height)));
   const Painter painter(cairo_create(surface.get()));
   cairo_set_source_rgb(painter.get(), 1, 1, 1);
   cairo_paint(painter.get());
-  GError* error = nullptr;
-  if (!rsvg_handle_render_document(handle.get(), painter.get(), &whole, &error)) fail(error);
+  draw(handle, painter, size);
   std::string png;
   if (cairo_surface_write_to_png_stream(surface.get(), append, &png) != CAIRO_STATUS_SUCCESS)
     fail(nullptr);
   return png;
+}
+
+std::string pdf_of_svg(const std::string& svg) {
+  constexpr double kPointsPerUnit = 72.0 / 96;
+  const Handle handle = read_svg(svg);
+  const Size svg_size = size_of(handle);
+  const Size size{svg_size.width * kPointsPerUnit, svg_size.height * kPointsPerUnit};
+  std::string pdf;
+  const Surface surface(cairo_pdf_surface_create_for_stream(append, &pdf, size.width, size.height));
+  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "");
+  const Painter painter(cairo_create(surface.get()));
+  draw(handle, painter, size);
+  cairo_surface_finish(surface.get());
+  if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) fail(nullptr);
+  return pdf;
 }
 
 }  // namespace vpr

@@ -291,7 +291,7 @@ TEST_CASE("a map shows one or two results of the same query, as SVG and PNG") {
   CHECK(eval("--dataset walk/two_walks.json --map m").exit_code == 4);
   CHECK(eval("b.json --dataset $dataset --map-with b.json").exit_code == 2);
   ok(eval("--dataset $dataset --map m --map-with b.json"));
-  CHECK(list_folder("m") == Words{".vpr-files", "map.png", "map.svg"});
+  CHECK(list_folder("m") == Words{".vpr-files", "map.pdf", "map.png", "map.svg"});
   CHECK_FALSE(has(read_text("m/map.svg"), "recognized, incorrect"));
   CHECK(has(read_text("m/map.svg"), "recognized, correct"));
 }

@@ -170,10 +170,11 @@ TEST_CASE("images: a page with the frames of both sequences, and plots") {
   const std::string page = read_text("e.html");
   CHECK(has(page, "s on q"));
   CHECK(has(page, "true place references 9: 09.png"));
-  CHECK(list_folder("plots") == Words{".vpr-files", "matrix.png", "matrix.svg",
-                                      "precision-recall.png", "precision-recall.svg",
-                                      "recall-at.png", "recall-at.svg", "risk-coverage.png",
-                                      "risk-coverage.svg", "timeline.png", "timeline.svg"});
+  Words plots = {".vpr-files"};
+  for (const std::string name :
+       {"matrix", "precision-recall", "recall-at", "recall-tolerance", "risk-coverage", "timeline"})
+    for (const std::string kind : {".pdf", ".png", ".svg"}) plots.push_back(name + kind);
+  CHECK(list_folder("plots") == plots);
   CHECK(outcome.out.starts_with(
       "Best match correct in 9 of 12 frames (75.0 %); 4 frames can be accepted before\n"
       "the first mistake (threshold chosen with the ground truth).\n"));
@@ -351,7 +352,7 @@ TEST_CASE("several data sets are groups of columns, with a row per method") {
             "recall@K is unknown for K = 7"));
   run_ok(compare + "--html c.html --plot plots");
   CHECK(has(read_text("c.html"), "<th scope=\"colgroup\" colspan=\""));
-  CHECK(list_folder("plots").size() == 9);
+  CHECK(list_folder("plots").size() == 13);
 }
 
 TEST_CASE("curves and paths of all methods are on one page and in one plot") {
@@ -369,8 +370,15 @@ TEST_CASE("curves and paths of all methods are on one page and in one plot") {
   CHECK(has(page, "<dt>R@1</dt><dd>-0.4000 ("));  // one row per method after the first
   CHECK_FALSE(has(page, "recall_at_100_precision"));
   CHECK_FALSE(has(page, "http:"));
-  CHECK(list_folder("plots") == Words{".vpr-files", "lanes.png", "lanes.svg",
-                                      "precision-recall.png", "precision-recall.svg"});
+  CHECK(list_folder("plots") == Words{".vpr-files", "lanes.pdf", "lanes.png", "lanes.svg",
+                                      "precision-recall.pdf", "precision-recall.png",
+                                      "precision-recall.svg"});
+  run_ok(
+      "vpr-eval compare <good>.json bad.json --plot small --plot-size 85x60 --plot-limits "
+      "0,1,0.3,1");
+  const std::string small = read_text("small/precision-recall.svg");
+  CHECK(has(small, "width=\"322\""));
+  CHECK_FALSE(has(small, "2 methods on"));
 }
 
 TEST_CASE("a resampled query is compared with the query over its own frames") {

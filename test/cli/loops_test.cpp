@@ -68,8 +68,9 @@ TEST_CASE("a list of loop closures is evaluated by its trajectory, and drawn on 
   CHECK(report["incorrect_loops"][0]["query"] == 70);
   CHECK(report["metrics"]["recall_at_100_precision"].get<double>() == Approx(1 / 80.0));
   CHECK(report["trajectory"]["duration_s"] == 119);
-  CHECK(list_folder("plots") == Words{".vpr-files", "loops.png", "loops.svg",
-                                      "precision-recall.png", "precision-recall.svg"});
+  CHECK(list_folder("plots") == Words{".vpr-files", "loops.pdf", "loops.png", "loops.svg",
+                                      "precision-recall.pdf", "precision-recall.png",
+                                      "precision-recall.svg"});
   const std::string page = read_text("p.html");
   CHECK(has(page,
             "1 of 3 loops are incorrect. 2 of 80 frames near an earlier one have a correct loop"));

@@ -208,6 +208,26 @@ TEST_CASE("every style and mark of a series has its color in the image") {
   }
 }
 
+TEST_CASE("figures for papers have a size and limits, and no title") {
+  Chart chart{"precision-recall", "a title"};
+  chart.series.push_back({"a", {{0, 1}, {0.5, 0.9}, {1, 0.2}}});
+  CHECK(has(svg_of(chart), "a title"));
+  const Chart figure = in_figure(chart, {{{127, 63.5}}, {0.25, 1, 0.5, 1}});
+  const std::string svg = svg_of(figure);
+  CHECK(has(svg, "width=\"480\" height=\"240\""));
+  CHECK_FALSE(has(svg, "a title"));
+  CHECK(has(svg, ">0.5<"));
+  CHECK_FALSE(has(svg, ">0<"));
+  const ChartLayout at = layout_of(figure, false);
+  CHECK(at.x.from == 0.25);
+  CHECK(at.y.from == 0.5);
+  CHECK(at.area.top == 8);
+  // The line is cut at the limits.
+  CHECK(has(svg, fmt::format("<svg x=\"{:.1f}\" y=\"{:.1f}\"", at.area.left, at.area.top)));
+  CHECK_FALSE(has(svg_of(chart), "<svg x="));
+  CHECK(svg_of(in_figure(chart, {})) == svg_of(chart));
+}
+
 TEST_CASE("invalid SVG cannot be drawn, and hostile titles are text") {
   CHECK(test::error_kind([] { png_of_svg("not an SVG", 1); }) == ErrorKind::internal);
   Chart chart{"c", "<script>alert(1)</script> & \"so\" \x01\xff"};
@@ -221,8 +241,13 @@ TEST_CASE("images are complete, or an error") {
   Chart chart{"line", "t"};
   chart.series.push_back({"a", {{0, 1}, {1, 2}}});
   draw_chart(chart, ".");
-  CHECK(test::list_folder(".") == std::vector<std::string>{"line.png", "line.svg"});
+  CHECK(test::list_folder(".") == std::vector<std::string>{"line.pdf", "line.png", "line.svg"});
   CHECK(test::read_text("line.svg").ends_with("</svg>\n"));
+  const std::string pdf = test::read_text("line.pdf");
+  CHECK(pdf.starts_with("%PDF-"));
+  CHECK(pdf.ends_with("%%EOF\n"));
+  CHECK(has(pdf, "/MediaBox [ 0 0 675 405 ]"));  // 900 x 540 units
+  CHECK_FALSE(has(pdf, "CreationDate"));
   CHECK_FALSE(pixels_of(test::read_text("line.png")).empty());
   CHECK(test::error_kind([&] { draw_chart(chart, "none"); }) == ErrorKind::output);
 }

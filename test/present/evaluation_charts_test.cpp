@@ -121,6 +121,32 @@ TEST_CASE("a timeline uses the palette's colors by meaning, and shows the ground
   CHECK(has(legend_html(chart), "recognized, incorrect"));
 }
 
+TEST_CASE("recall over the tolerance counts matches that are correct at each tolerance") {
+  Judgment judgment = walk("cccc");
+  GroundTruth truth = aligned(judgment);
+  judgment.outcomes.queries[3].best->reference += 4;
+  const Chart chart = tolerance_chart(report_of(judgment, truth), judgment, truth);
+  std::vector<double> shares;
+  for (const auto& [tolerance, share] : chart.series.at(0).points) {
+    CHECK(tolerance == double(shares.size()));
+    shares.push_back(share);
+  }
+  REQUIRE(shares.size() == 11);
+  const double frame = 1 / double(judgment.single_best.positives);
+  for (size_t t = 0; t < 11; ++t) CHECK(shares[t] == Approx((t < 4 ? 3 : 4) * frame));
+  truth.is_known = false;
+  CHECK(tolerance_chart(report_of(judgment, truth), judgment, truth).series.empty());
+}
+
+TEST_CASE("curves are steps, so that nothing is interpolated") {
+  Curve curve;
+  curve.positives = 4;
+  curve.points = {{1, 1, 0, 0}, {2, 1, 0, 1}, {3, 2, 1, 1}};  // precisions 1, 1/2, 2/3
+  using Points = std::vector<std::pair<double, double>>;
+  CHECK(curve_points(curve) ==
+        Points{{0, 1}, {0.25, 1}, {0.25, 0.5}, {0.25, 2.0 / 3}, {0.5, 2.0 / 3}});
+}
+
 TEST_CASE("a matrix has axes in frames, a legend and, for scores, a scale") {
   const Judgment judgment = walk("cCwWcCCC");
   const GroundTruth truth = aligned(judgment);
