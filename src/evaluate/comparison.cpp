@@ -124,7 +124,7 @@ Resamples bootstrap(std::span<const NamedOutcomes> methods, const std::vector<Ou
   return resampled;
 }
 
-// Of the values or, with `others`, of the differences from them; unset if none is known.
+// The interval of the values or, with `others`, of their differences; unset if none is known.
 std::optional<Interval> interval_of(const std::vector<std::optional<double>>& values,
                                     const std::vector<std::optional<double>>* others = nullptr) {
   std::vector<double> known;

@@ -48,7 +48,7 @@ struct ComparisonSettings {
   bool only_common = false;
   /// Omits frames on whose match the ground truths disagree, which otherwise are an error.
   bool omit_disputed = false;
-  std::vector<size_t> recall_at = {};  ///< K of recall@K beside 1; empty: kRecallAt
+  std::vector<size_t> recall_at = {};  ///< K of recall@K, with 1; empty: kRecallAt
 };
 
 /// Values and differences over the query frames of all paired methods: metrics of the first correct

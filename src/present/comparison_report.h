@@ -28,7 +28,7 @@ GroundTruths compare_ground_truths(std::span<const Report> reports);
 
 /// Reports on one query. The first is the baseline.
 struct ComparisonReport {
-  std::string data_set;         ///< its name, or that of the query
+  std::string data_set;         ///< its name, or the name of the query
   std::vector<Report> reports;  ///< with the names of their rows
   std::vector<std::string> paths;
   ComparisonSettings settings;
@@ -60,7 +60,7 @@ void compare_reports(ComparisonReport& comparison, const Monitor& monitor);
 
 /// The file without "machine" and "timing".
 Json comparison_json(const ComparisonReport& comparison);
-/// Of one data set, its comparison.
+/// The comparison of one data set, or the list of several.
 Json comparisons_json(std::span<const ComparisonReport> comparisons);
 
 /// The reports side by side. If frames are omitted, numbers that are known for the whole query only

@@ -63,8 +63,8 @@ Chart timeline_chart(const Report& report, const Judgment& judgment, const Groun
 Chart matrix_chart(const Evaluation& evaluation, const Report& report, size_t most_pixels,
                    const Monitor& monitor);
 
-/// The share of correct best matches at tolerances from 0 to 10 frames, or to twice that of the
-/// ground truth. No series without frames with a match, and for labels and places.
+/// The share of correct best matches at tolerances from 0 to 10 frames, or to twice the tolerance
+/// of the ground truth. No series without frames with a match, and for labels and places.
 Chart tolerance_chart(const Report& report, const Judgment& judgment, const GroundTruth& truth);
 
 ScoreUnit score_unit(const Report& report);

@@ -122,7 +122,7 @@ void add_other_data(Columns& columns) {
   }
 }
 
-// Of a comparison, the value of a report; null without one.
+// The value of a report in a comparison; null without one.
 const ComparedValue* compared_value(const SideBySide& methods, const MetricAt& at, size_t report) {
   for (const ComparedValue& value : methods.compared)
     if (value.method == report && value.metric == at) return &value;

@@ -463,8 +463,8 @@ def distances(db: Database, query: Source, *, progress: Progress = None,
 
 def compare(reports: Any, *, progress: Progress = None, **settings: object) -> Comparison:
     """Compares reports, as vpr-eval compare: metrics side by side, and differences to the first
-    report of a data set with 95 % intervals. Of several data sets, comparisons has one comparison
-    each.
+    report of a data set with 95 % intervals. Several data sets have a list, comparisons, with
+    one comparison each.
 
     reports: a list, or a mapping from names; reports of evaluate, or paths of report files.
     Settings: block, recall_at, common and allow_different.
