@@ -204,7 +204,7 @@ std::vector<WordSet> read_openfabmap_frames(const SequenceArgument& argument, si
   if (type == nullptr || array.shape().size() != 2 || array.is_column_major())
     fail(argument.path, "expected frames x words of numbers in C order");
   if (array.shape()[1] != words)
-    fail(argument.path, fmt::format("has {} columns, but the vocabulary {} words; arrays for "
+    fail(argument.path, fmt::format("has {} columns, but the vocabulary has {} words; arrays for "
                                     "FAB-MAP have one column per word",
                                     array.shape()[1], words));
   const size_t rows = rows_in_range(argument, array.shape()[0]);

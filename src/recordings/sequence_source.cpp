@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "base/checksum.h"
+#include "base/converters.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/output.h"
@@ -299,7 +300,13 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
                 is_camera(path) ? ". To follow a camera, use vpr-query live" : "");
   } else if (fs::is_empty(path, error)) {  // a file in /proc, which would never end, has size 0
     throw Error(ErrorKind::input, "{}: is an empty file", path.string());
+  } else if (path.extension() == ".npz") {
+    throw Error(ErrorKind::usage,
+                "{}: is an archive of arrays. Save one as .npy, as in numpy.save(\"q.npy\", "
+                "numpy.load(\"q.npz\")[\"NAME\"])",
+                path.string());
   } else {
+    refuse_convertible(path, "", true);
     sequence.kind = SequenceKind::video;
     return sequence;
   }

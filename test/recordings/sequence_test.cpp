@@ -148,6 +148,14 @@ TEST_CASE("an empty file, such as files in /proc, is not opened as a video") {
   }
 }
 
+TEST_CASE("arrays of other formats are not opened as videos") {
+  for (const auto& [name, advice] :
+       {std::pair("q.npz", "Save one as .npy"), std::pair("q.mat", "scripts/convert/mat.py")}) {
+    write_text(name, "array");
+    CHECK(has(error_text([&, path = name] { open_sequence({path, {}}); }), advice));
+  }
+}
+
 TEST_CASE("sequences are named by their folder, with parents if two are equal") {
   const auto names = [](const std::vector<std::string>& texts) {
     std::vector<SequenceArgument> arguments;
