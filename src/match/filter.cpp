@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -177,16 +178,23 @@ FilterStep next_step(const FilterState& state) {
   return step;
 }
 
-// Calls body(first, last) for chunks of cells in several threads.
+// Calls body(chunk, first, last) for chunks of the known cells and their decoys in several threads.
 template <class Body>
-void for_chunks(size_t cells, const Body& body) {
-  const size_t chunks = (cells - kLongestStep + kChunkCells - 1) / kChunkCells;
+void for_chunks(const FilterState& state, const Body& body) {
+  const size_t known = std::clamp(state.known, kLongestStep, state.cells.decoys);
+  const size_t decoys = state.cells.size() + kLongestStep - known;
+  const size_t chunks = (known - kLongestStep + kChunkCells - 1) / kChunkCells;
   const auto chunk = [&](size_t c) {
-    const size_t first = kLongestStep + c * kChunkCells;
-    body(c, first, std::min(first + kChunkCells, cells));
+    const size_t skipped = c % chunks * kChunkCells;
+    const size_t first = (c < chunks ? kLongestStep : decoys) + skipped;
+    const size_t end = c < chunks ? known : state.cells.size();
+    body(c, first, std::min(first + kChunkCells, end));
   };
-  if (chunks == 1) return chunk(0);
-  parallel_for(chunks, Monitor{}, chunk);
+  if (chunks == 1) {
+    chunk(0);
+    return chunk(1);
+  }
+  parallel_for(2 * chunks, Monitor{}, chunk);
 }
 
 float largest_mass(const FilterState& state, size_t first, size_t last) {
@@ -203,7 +211,7 @@ void find_values(FilterState& state) {
   const uint32_t one = logarithm(state, 1);
   const uint32_t most =
       kNewPathValue * kFraction + 2 * one - logarithm(state, static_cast<float>(state.kept));
-  for_chunks(state.cells.size(), [&](size_t, size_t first, size_t last) {
+  for_chunks(state, [&](size_t, size_t first, size_t last) {
     for (size_t cell = first; cell < last; ++cell) {
       const float mass = state.masses[cell];
       state.values[cell] = mass > 0 ? (most - logarithm(state, mass)) / kFraction : kNoValue;
@@ -231,8 +239,17 @@ std::optional<double> mean_step(const FrameDistances& distances, double least_ch
   return static_cast<double>(sum) / static_cast<double>(steps);
 }
 
-// Every run begins with a keyframe; a frame that differs by at least least_change from the last
-// keyframe of its run is a keyframe.
+}  // namespace
+
+const std::array<FilterRate, kRateCount>& filter_rates() { return kFilterRates; }
+
+void check_filter(const FilterSettings& settings) {
+  require_range("filter.start_weight", settings.start_weight, 0, 1e6);
+  require_range("filter.keyframe_change", settings.keyframe_change, 0, 10);
+  require_range("filter.near_keyframes", static_cast<double>(settings.near_keyframes), 0, 1e6);
+  require_range("filter.path_keyframes", static_cast<double>(settings.path_keyframes), 0, 1000);
+}
+
 FilterCells find_cells(const FrameDistances& distances, double least_change) {
   FilterCells cells;
   for (const FrameStretch& run : distances.train_runs) {
@@ -252,17 +269,6 @@ FilterCells find_cells(const FrameDistances& distances, double least_change) {
   }
   add_decoys(cells);
   return cells;
-}
-
-}  // namespace
-
-const std::array<FilterRate, kRateCount>& filter_rates() { return kFilterRates; }
-
-void check_filter(const FilterSettings& settings) {
-  require_range("filter.start_weight", settings.start_weight, 0, 1e6);
-  require_range("filter.keyframe_change", settings.keyframe_change, 0, 10);
-  require_range("filter.near_keyframes", static_cast<double>(settings.near_keyframes), 0, 1e6);
-  require_range("filter.path_keyframes", static_cast<double>(settings.path_keyframes), 0, 1000);
 }
 
 FilterSettings adapted_settings(const FrameDistances& distances, const FilterSettings& settings,
@@ -287,6 +293,10 @@ FilterSettings adapted_settings(const FrameDistances& distances, const FilterSet
 
 FilterState start_filter(const FrameDistances& distances, const FilterSettings& settings,
                          double least_change) {
+  return start_filter(find_cells(distances, least_change), settings);
+}
+
+FilterState start_filter(FilterCells cells, const FilterSettings& settings) {
   check_filter(settings);
   FilterState state;
   state.likelihood_of = likelihood_table();
@@ -295,7 +305,7 @@ FilterState start_filter(const FrameDistances& distances, const FilterSettings& 
     state.logarithms.push_back(
         static_cast<uint32_t>(std::lround(octave * natural_logarithm(1 + (m + 0.5) / kMantissas))));
   state.octave = static_cast<uint32_t>(std::lround(octave * natural_logarithm(2)));
-  state.cells = find_cells(distances, least_change);
+  state.cells = std::move(cells);
   for (size_t r = 0; r < kRateCount; ++r) {
     state.before[r].assign(state.cells.size(), 0);
     state.after[r].assign(state.cells.size(), 0);
@@ -315,8 +325,8 @@ void restart_filter(FilterState& state) {
 void advance_filter(FilterState& state, std::span<const uint16_t> scores) {
   if (state.cells.places == 0) return;
   const FilterStep step = next_step(state);
-  std::vector<float> largest(state.cells.size() / kChunkCells + 1);
-  for_chunks(state.cells.size(), [&](size_t chunk, size_t first, size_t last) {
+  std::vector<float> largest(state.cells.size() / kChunkCells + 2);
+  for_chunks(state, [&](size_t chunk, size_t first, size_t last) {
     find_likelihoods(state, scores, first, last);
     HWY_DYNAMIC_DISPATCH(Step)
     (step, state.likelihoods.data(), state.before, state.after, state.masses.data(), first,

@@ -144,13 +144,20 @@ FilterSettings adapted_settings(const FrameDistances& distances, const FilterSet
 FilterState start_filter(const FrameDistances& distances, const FilterSettings& settings,
                          double least_change);
 
+/// The same for these cells.
+FilterState start_filter(FilterCells cells, const FilterSettings& settings);
+
+/// The cells of all training runs, and their decoys. Every run begins with a keyframe; a frame that
+/// differs by at least least_change from the last keyframe of its run is a keyframe.
+FilterCells find_cells(const FrameDistances& distances, double least_change);
+
 /// Forgets all keyframes.
 void restart_filter(FilterState& state);
 
 /// Adds a keyframe of the query: its z-scores to all training frames, in the format of
 /// ScoreKernels::to_zscores. Values are integers in units of 1/1024 deviations; smaller is
-/// likelier. The last path_keyframes / 2 values are kept. Time O(cells). Unspecified without
-/// places.
+/// likelier. The last path_keyframes / 2 values are kept. Time O(cells before `known`), which must
+/// not decrease. Unspecified without places.
 void advance_filter(FilterState& state, std::span<const uint16_t> scores);
 
 }  // namespace vpr

@@ -63,7 +63,7 @@ uint32_t least_elsewhere(const PathTrack& track, const FilterState& state, size_
   const OtherPasses passes = other_passes(track, cells, cell);
   uint32_t least = kNoValue;
   for (size_t other = first; other < last; ++other)
-    if (!contains(passes, cells, other)) least = std::min(least, state.values[other]);
+    if (state.values[other] < least && !contains(passes, cells, other)) least = state.values[other];
   return least;
 }
 

@@ -85,14 +85,24 @@ size_t position_at(const FilterCells& cells, const PathKeyframe& keyframe, size_
 WindowStage filter_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
                          const MatchSettings& settings);
 
+/// Sets of at most this number of keyframes are followed whole by find_passes.
+inline constexpr size_t kExhaustivePlaces = 4096;
+
 /// The training sequences as queries of their own past, one after the other: keyframes at least 32
 /// keyframes earlier, and all earlier sequences. A keyframe that the filter recognizes by
 /// `least_margin`, in units of PathTrack, is another pass through its match; keyframes between two
 /// such ones at most 64 apart are too if their matches fit. Earlier passes do not compete with each
-/// other. Increasing by frame. None for more than 2^32 pairs of frames. `statistics`: of the
-/// training frames, with components. Throws Error(interrupted) on a stop.
+/// other. Increasing by frame. `statistics`: of the training frames, with components.
+///
+/// Of more than `exhaustive_places` keyframes, only those near a similar place are followed: a
+/// filter over every fourth keyframe has 6 deviations more evidence for a place than for any
+/// reversed one. The 96 keyframes before it and 32 after it are followed as well, as a query of
+/// their own. Time: keyframes^2 / 32 distances, and keyframes for each followed one. Memory: two
+/// copies of the descriptors of keyframes. The same for any number of threads and any SIMD target.
+/// Throws Error(interrupted) on a stop.
 std::vector<RepeatedPlace> find_passes(std::span<const DescribedFrames> train,
                                        const TrainStatistics& statistics, uint32_t least_margin,
-                                       const Monitor& monitor);
+                                       const Monitor& monitor,
+                                       size_t exhaustive_places = kExhaustivePlaces);
 
 }  // namespace vpr

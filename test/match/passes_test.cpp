@@ -3,7 +3,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/parallel.h"
 #include "base/random.h"
+#include "base/simd.h"
 #include "examples.h"
 #include "match/components.h"
 #include "match/distance_statistics.h"
@@ -37,9 +39,10 @@ TrainStatistics statistics_of(const std::vector<DescribedFrames>& spans) {
   return statistics;
 }
 
-std::vector<RepeatedPlace> passes_of(const test::Example& example) {
+std::vector<RepeatedPlace> passes_of(const test::Example& example,
+                                     size_t exhaustive_places = kExhaustivePlaces) {
   const std::vector<DescribedFrames> spans = example.spans();
-  return find_passes(spans, statistics_of(spans), kLeast, {});
+  return find_passes(spans, statistics_of(spans), kLeast, {}, exhaustive_places);
 }
 
 // Query frames at which the path has the margin.
@@ -90,4 +93,36 @@ TEST_CASE("a walk without repetition, or of too few keyframes, repeats no place"
   example.train = {test::walk_codes(300, 1), test::walk_codes(1, 2), test::walk_codes(40, 3)};
   example.train_unreadable.resize(3);
   CHECK(passes_of(example).empty());
+}
+
+TEST_CASE("passes of many keyframes are found by a coarse search first") {
+  const std::vector<LdbCode> lap = test::walk_codes(400, 1);
+  test::Example example;
+  example.train = {lap, test::walk_codes(300, 9)};
+  example.train_unreadable.resize(2);
+  append_noisy(example.train[0], test::walk_codes(500, 5), 2);
+  append_noisy(example.train[0], lap, 3);
+  const std::vector<RepeatedPlace> passes = passes_of(example, 0);
+  CHECK(passes.size() + 10 > passes_of(example).size());
+  const auto is_correct = [](const RepeatedPlace& repeated) {
+    return repeated.frame >= 900 && repeated.frame < 1300 &&
+           std::max(repeated.frame - 900, repeated.first_pass) <=
+               std::min(repeated.frame - 900, repeated.first_pass) + 10;
+  };
+  CHECK(std::ranges::count_if(passes, is_correct) > 180);
+  CHECK(std::ranges::count_if(passes, is_correct) + 20 >
+        static_cast<std::ptrdiff_t>(passes.size()));
+  const ThreadLimit one(1);
+  for (const std::string& target : simd_targets()) {
+    const test::ChosenTarget chosen(target);
+    INFO(target);
+    CHECK(passes_of(example, 0) == passes);
+  }
+}
+
+TEST_CASE("a coarse search finds no pass in a walk without repetition") {
+  test::Example example;
+  example.train = {test::walk_codes(900, 1)};
+  example.train_unreadable.resize(1);
+  CHECK(passes_of(example, 0).empty());
 }
