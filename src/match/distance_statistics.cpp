@@ -17,6 +17,11 @@ constexpr size_t kColumns = 1024;  // training frames per task
 constexpr size_t kRows = 64;       // sampled frames per tile
 constexpr uint32_t kFewestDistances = 2;
 
+// Large sets have fewer samples than the settings allow: this number of pairs of frames, but at
+// least kFewestSamples samples.
+constexpr size_t kMostPairs = 100'000'000;
+constexpr size_t kFewestSamples = 2000;
+
 /// The neighbors [first, last) of a sampled frame, including itself.
 struct Neighbors {
   size_t first = 0;
@@ -60,30 +65,23 @@ Samples make_samples(std::span<const DescribedFrames> train, const StatisticsSet
 /// Sums of one tile of samples, in separate arrays so that the compiler can vectorize over columns.
 struct TileSums {
   std::array<uint32_t, kColumns> sum = {};
-  std::array<uint32_t, kColumns> squares = {};
+  std::array<uint64_t, kColumns> squares = {};
 
   void add(const uint16_t* distances, size_t from, size_t to) {
     for (size_t x = from; x < to; ++x) {
       const uint32_t distance = distances[x];
       sum[x] += distance;
-      squares[x] += distance * distance;
+      squares[x] += uint64_t{distance * distance};
     }
   }
 };
-
-// The number of distances whose squares fit 32 bits; 64 for LDB.
-size_t rows_per_tile(const FrameDistances& distances) {
-  const uint64_t square = std::max<uint64_t>(uint64_t{distances.largest} * distances.largest, 1);
-  return std::clamp<uint64_t>(std::numeric_limits<uint32_t>::max() / square, 1, kRows);
-}
 
 // Compares training frames [first, first + count) with all samples.
 void sum_columns(const FrameDistances& distances, const std::vector<Neighbors>& neighbors,
                  size_t first, size_t count, ColumnSums* sums) {
   std::vector<uint16_t> values(kRows * kColumns);
-  const size_t most_rows = rows_per_tile(distances);
-  for (size_t row = 0; row < neighbors.size(); row += most_rows) {
-    const size_t rows = std::min(most_rows, neighbors.size() - row);
+  for (size_t row = 0; row < neighbors.size(); row += kRows) {
+    const size_t rows = std::min(kRows, neighbors.size() - row);
     std::array<uint32_t, kRows> queries;
     std::iota(queries.begin(), queries.end(), static_cast<uint32_t>(row));
     distances.tile(std::span(queries).first(rows), first, first + count, values.data(), kColumns);
@@ -152,11 +150,13 @@ std::vector<size_t> sampled_frames(std::span<const DescribedFrames> train,
   for (const FrameStretch& run : readable_runs(train))
     for (size_t i = 0; i < run.count; ++i) frames.push_back(run.first + i);
   if (frames.size() <= settings.samples) return frames;
+  const size_t samples =
+      std::min<size_t>(settings.samples, std::max(kFewestSamples, kMostPairs / frames.size()));
   RandomEngine engine(settings.seed);
   std::vector<size_t> chosen;
-  for (size_t s = 0; s < settings.samples; ++s) {
-    const size_t first = s * frames.size() / settings.samples;
-    const size_t last = (s + 1) * frames.size() / settings.samples;
+  for (size_t s = 0; s < samples; ++s) {
+    const size_t first = s * frames.size() / samples;
+    const size_t last = (s + 1) * frames.size() / samples;
     chosen.push_back(frames[first + uniform_below(engine, last - first)]);
   }
   return chosen;

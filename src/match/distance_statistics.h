@@ -22,7 +22,8 @@ TrainStatistics compute_statistics(std::span<const DescribedFrames> train,
                                    const StatisticsSettings& settings, const Monitor& monitor);
 
 /// The frames used as samples, increasing: all readable ones if there are at most settings.samples,
-/// otherwise one randomly chosen frame from each of settings.samples equal parts.
+/// otherwise one randomly chosen frame from each of settings.samples equal parts, or, of sets of
+/// more than 10 000 frames, of 10^8 / frames parts, but at least 2000.
 std::vector<size_t> sampled_frames(std::span<const DescribedFrames> train,
                                    const StatisticsSettings& settings);
 

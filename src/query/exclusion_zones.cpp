@@ -94,14 +94,26 @@ bool is_recognized(const DescribedFrames& query, const Searched& train, const Mo
         unreadable.push_back(frame - part.first);
     const DescribedFrames frames{query.rows.subspan(part.first, part.count), unreadable};
     MarginScan scan(train.zone, part.count - length + 1);
-    match(zscores(train.distances.of_query(frames), train.basis), {length, kDefaultMemoryLimit},
-          {{}, {std::ref(scan)}}, monitor);
+    match(zscores(read_ahead(train.distances.of_query(frames)), train.basis),
+          {length, kDefaultMemoryLimit}, {{}, {std::ref(scan)}}, monitor);
     for (const auto& margin : scan.result()) {
       windows += margin ? 1 : 0;
       recognized += margin && score.frame_value(*margin, length) >= least ? 1 : 0;
     }
   }
   return recognized > 0 && kFewest * recognized >= windows;
+}
+
+// The mean distance of two frames; of every step-th frame if rows have to be computed for it.
+double mean_distance(const DescribedFrames& sequence, size_t step) {
+  const FrameDistances own = frame_distances({&sequence, 1}, sequence);
+  if (own.row_total || step == 1) return mean_distance_within(own);
+  const DescriptorRows& rows = sequence.rows;
+  std::vector<size_t> unreadable;
+  for (const size_t frame : sequence.unreadable)
+    if (frame % step == 0) unreadable.push_back(frame / step);
+  const DescribedFrames some{{rows.shape, rows.bytes, step * rows.stride}, unreadable};
+  return mean_distance_within(frame_distances({&some, 1}, some));
 }
 
 }  // namespace
@@ -118,9 +130,9 @@ ExclusionZones make_exclusion_zones(std::vector<uint32_t> radii,
 size_t exclusion_radius(const DescribedFrames& sequence, const Monitor& monitor) {
   constexpr size_t kSampledFrames = 10'000;
   const size_t frames = sequence.rows.size();
-  const double half = mean_distance_within(frame_distances({&sequence, 1}, sequence)) / 2;
-  const std::vector<uint8_t> readable = readable_flags(readable_runs(sequence), frames);
   const size_t step = std::max<size_t>(1, frames / kSampledFrames);
+  const double half = mean_distance(sequence, step) / 2;
+  const std::vector<uint8_t> readable = readable_flags(readable_runs(sequence), frames);
   for (size_t apart = 1; apart < frames; ++apart) {
     check_stop(monitor);
     uint64_t sum = 0;

@@ -56,6 +56,6 @@ class MarginScan {
 /// pairs in total. Throws Error(interrupted) on a stop.
 std::vector<std::pair<size_t, size_t>> find_overlapping_sequences(
     std::span<const DescribedFrames> sequences, const std::vector<uint32_t>& radii,
-    const Monitor& monitor, size_t most_pairs = size_t{1} << 32);
+    const Monitor& monitor, size_t most_pairs = size_t{1} << 30);
 
 }  // namespace vpr

@@ -53,6 +53,19 @@ TEST_CASE("the exclusion zone extends to half of the average difference") {
   }
 }
 
+TEST_CASE("distances of points are sampled for the exclusion zone of a long sequence") {
+  std::vector<int16_t> points;
+  for (int i = 0; i < 30'000; ++i) {
+    const int turn = i % 400;  // back and forth
+    points.push_back(static_cast<int16_t>(50 * std::min(turn, 400 - turn)));
+  }
+  const DescriptorRows rows({ElementType::points16, 1},
+                            {reinterpret_cast<const uint8_t*>(points.data()), 2 * points.size()});
+  const size_t radius = exclusion_radius({rows.first(8000), {}});
+  CHECK(radius > 20);
+  CHECK(exclusion_radius({rows, {}}) == radius);
+}
+
 namespace {
 
 /// Values of one row, by sequence and window; nullopt for a missing cell.
