@@ -12,12 +12,13 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 BIN = pathlib.Path(os.environ.get("VPR_BIN") or ROOT / "build/release/bin").absolute()
 PROGRAMS = ("vpr-synth", "vpr-train", "vpr-query", "vpr-eval", "vpr-tune")  # of counts
 SIGN_OF_LIFE_S = 30
+INTERRUPTED = 130  # exit code
 QUICK_WIDTH, QUICK_HEIGHT = 160, 120  # of rendered images, in pixels
 QUICK_SHARE = 2 / 3  # of the frames of recordings: windows of 80 frames still fit all sequences
 
 
 class Failure(Exception):
-    """An experiment cannot be finished; `code` is the exit code."""
+    """An experiment cannot be finished; `code` is the exit code. After INTERRUPTED no other one is started."""
 
     def __init__(self, message, code=1):
         super().__init__(message)
@@ -45,9 +46,6 @@ def run(what, program, *arguments):
         except subprocess.TimeoutExpired:
             if not sys.stderr.isatty():  # there is no progress bar
                 say(f"{what}: for {time.monotonic() - start:.0f} s")
-        except KeyboardInterrupt:  # the program received the signal as well
-            child.wait()
-            sys.exit(130)
     if code != 0:
         raise Failure(f"{program} ended with exit code {code} ({what})", code)
     if time.monotonic() - start > SIGN_OF_LIFE_S:

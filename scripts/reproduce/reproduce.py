@@ -29,7 +29,7 @@ from concurrent.futures import ThreadPoolExecutor
 import experiments
 import findings
 import seeds
-from laboratory import ACTIVITY, BIN, PROGRAMS, ROOT, Failure, Laboratory, data_state, read, say, sha256
+from laboratory import ACTIVITY, BIN, INTERRUPTED, PROGRAMS, ROOT, Failure, Laboratory, data_state, read, say, sha256
 from tables import write_csv, write_json, write_markdown
 
 RECORD_SEEDS, QUICK_SEEDS = 8, 2  # of a page
@@ -183,6 +183,8 @@ class Reproduction:
                 results[name] = self.run(name)
                 say(f"{name}: {findings.lines(results[name]['findings'])[-1]}")
             except Failure as failure:
+                if failure.code == INTERRUPTED:
+                    raise
                 failures[name] = failure
             except Exception as error:  # a mistake in the scripts must not cost the other experiments
                 traceback.print_exc()
@@ -290,4 +292,7 @@ def write_page(page, records, times):
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except KeyboardInterrupt:  # the programs received the signal as well
+        sys.exit(INTERRUPTED)
