@@ -216,7 +216,7 @@ def nordland_data(folder):
     sides = folder / "nordland/summer", folder / "nordland/winter"
     for side in sides:
         if not side.exists():
-            raise Failure(f"{side} is missing; docs/benchmarks/datasets.md describes its contents", 2)
+            raise Failure(f"{side} is missing; scripts/reproduce/README.md describes its contents", 2)
     return ["--train", sides[0], "--query", sides[1]]
 
 

@@ -87,7 +87,7 @@ class DataSet:
         else:
             self.description = laboratory.folder / name / "dataset.json"
             if not self.description.exists():
-                raise Failure(f"{self.description} is missing; docs/benchmarks/datasets.md "
+                raise Failure(f"{self.description} is missing; scripts/reproduce/README.md "
                               "describes its contents", 2)
         self.content = read(self.description)
         self.title = self.content["name"]

@@ -45,7 +45,7 @@ def arguments_of(words):
     parser.add_argument("experiment", choices=(*ORDER, "all"))
     parser.add_argument("--data", type=pathlib.Path, metavar="DIR", help=(
         "folder with your own copy of the recordings, as DIR/put-mc/dataset.json "
-        "(docs/benchmarks/datasets.md)"))
+        "(scripts/reproduce/README.md)"))
     parser.add_argument("--quick", action="store_true", help=(
         "try the scripts in minutes: small images or two thirds of the recorded frames, short "
         "measurements. The numbers do not describe the paper. Writes into out/quick"))
