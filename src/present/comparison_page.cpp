@@ -97,7 +97,8 @@ std::string comparison_page(std::span<const ComparisonReport> comparisons) {
   const ComparisonReport& first = comparisons.front();
   const Json json = comparison_json(first);
   Json made = json["provenance"];
-  std::string numbers = table_html(compared_methods(comparisons, TableDetail::full, true));
+  std::string numbers = table_html(compared_methods(comparisons, TableDetail::full, false)) +
+                        table_html(compared_methods(comparisons, TableDetail::brief, true));
   std::string figures;
   std::string sentences;
   std::string truths;

@@ -36,8 +36,9 @@ def of_report(report):
 
 def row(text, name):
     """The cells of a method in a table with NAMES among its columns; text or LaTeX."""
+    plain = re.sub(r"\\shortstack\[r\]\{([^\\]*)\\\\\{\\scriptsize[^}]*\}\}", r"\1", text)  # without intervals
     table = [re.split(r"\s*&\s*|\s{2,}", re.sub(r"\\textbf\{|[}\\]", "", line).strip())
-             for line in text.splitlines()]
+             for line in plain.splitlines()]
     head = next(line for line in table if "R@1" in line)
     found = next(line for line in table if line[0] == name)
     values = dict(zip(head, (re.sub(r" \[.*|\*$", "", cell) for cell in found)))

@@ -363,7 +363,7 @@ TEST_CASE("curves and paths of all methods are on one page and in one plot") {
   CHECK(has(page,
             "Best matches of 10 frames with a match are correct in 80.0 % by &lt;good&gt;, 40.0 % "
             "by bad."));
-  CHECK(has(page, "<b>0.8000 ["));
+  CHECK(has(page, "<b>0.8000<br><small>["));
   CHECK(has(page, "class=\"line series-1\""));
   CHECK(has(page, "stroke-dasharray:9 4"));  // methods differ without color
   CHECK(page.find("<svg class=\"lanes wide\"") < page.find("<table"));
