@@ -12,6 +12,7 @@
 #include "base/json_fwd.h"
 #include "evaluate/comparison.h"
 #include "evaluate/report.h"
+#include "present/chart.h"
 #include "present/methods_table.h"
 
 namespace vpr {
