@@ -48,6 +48,7 @@ class LayoutReader {
       if (!layout_.keyword.empty() && rows_.cells().front() != layout_.keyword) continue;
       if (layout_.has_points) points = rows_.line() + 1;
       check_width();
+      check_device();
       size_t frame = by_frame ? frame_number() : index++;
       const auto in_range = frame_in_range(source_.range, frame);
       if (!in_range) continue;
@@ -105,6 +106,17 @@ class LayoutReader {
                detected == nullptr || detected == &layout_
                    ? ""
                    : fmt::format(". Its layout is {}", detected->name));
+  }
+
+  // A file of several cameras has several poses at one time.
+  void check_device() {
+    if (!rows_.has("device")) return;
+    const std::string_view device = rows_.text("device");
+    if (device_.empty()) device_ = device;
+    if (device != device_)
+      rows_.fail(
+          "is a pose of the device {}, earlier lines are of {}. Keep the lines of one device",
+          device, device_);
   }
 
   bool has_time() const { return rows_.has("time") || rows_.has("sec"); }
@@ -206,6 +218,7 @@ class LayoutReader {
   bool with_times_;
   Trajectory found_ = {};
   Poses translations_ = {};  // of poses that map the world to the camera
+  std::string device_ = {};
   size_t quaternions_ = 0;
   size_t unequal_ = 0;  // quaternions of another length than 1
 };

@@ -326,6 +326,9 @@ TEST_CASE("columns with implausible values are refused") {
   CHECK(test::has(refusal("# kapture format: 1.1\n0, c, 0, 0, 0, 1, 0, 0, 5\n"
                           "1, c, 0, 0, 1, 0, 0, 0, -5\n"),
                   "map the world to the camera"));
+  CHECK(test::has(refusal("# kapture format: 1.1\n0, a, 1, 0, 0, 0, 0, 0, 0\n"
+                          "0, b, 1, 0, 0, 0, 0, 0, 1\n1, a, 1, 0, 0, 0, 1, 0, 0\n"),
+                  "line 3: is a pose of the device b, earlier lines are of a"));
   CHECK(test::has(refusal("sec,pos_x,pos_y,pos_z,x,y,z,w\n0.1,1,2,3,0,0,0,1\n"),
                   "x, y, z and w are a quaternion"));
   write_text("p.csv", "#sec,nsec,x,y,z,qx,qy,qz,qw\n1583836591,100000000,1,2,3,0,0,0,1\n");
