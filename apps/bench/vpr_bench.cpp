@@ -151,6 +151,20 @@ void add_fabmap(Program& program) {
               "shortest time of a measurement in seconds (default: 0.3)");
 }
 
+void add_training(Program& program) {
+  auto [command, bench] = add_bench<TrainingBenchSettings>(
+      program, "training", "Time training by database size, without describing frames.",
+      "  vpr-bench training --databases 20000,40000,80000 --threads 0",
+      [](const Bench<TrainingBenchSettings>& training, const Session& session) {
+        return bench_training(training.settings, session.options.process.seed, session.monitor);
+      });
+  add_values(command, "--databases", bench.settings.databases, "database sizes in frames");
+  add_setting(command, "--descriptor-length", bench.settings.descriptor_length,
+              "dimensions of generated vectors (default: 464)");
+  add_setting(command, "--value-bits", bench.settings.precision,
+              "bits per value of these vectors: 16 or 8 (default: 16)");
+}
+
 BenchResult run_realtime(const Bench<RealtimeBenchSettings>& bench, const Session& session) {
   for (const char* flag : {"--c-l", "--score"})
     refuse(bench.settings.method == "filter" && session.command.is_given(flag), flag,
@@ -235,6 +249,7 @@ int main(int argc, char** argv) {
   program.set_default_threads(1);
   add_matching(program);
   add_describe(program);
+  add_training(program);
   add_fabmap(program);
   add_realtime(program);
   add_compare(program);

@@ -1,4 +1,4 @@
-// The benchmarks of vpr-bench: matching, description, FAB-MAP, and a live query.
+// The benchmarks of vpr-bench: matching, description, training, FAB-MAP, and a live query.
 #pragma once
 
 #include <optional>
@@ -116,6 +116,22 @@ VPR_FIELDS(FabmapBenchSettings, variants, places, words, words_per_frame, pretra
 /// posterior, the whole query of vpr-query, and the training of the Chow-Liu tree.
 BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
                          const Monitor& monitor);
+
+/// Settings of vpr-bench training.
+struct TrainingBenchSettings {
+  std::vector<uint64_t> databases = {5000, 10'000, 20'000, 40'000};  ///< frames
+  uint64_t descriptor_length = 464;                                  ///< of generated vectors
+  uint64_t precision = 16;  ///< bits per value of these vectors: 16 or 8
+};
+
+VPR_FIELDS(TrainingBenchSettings, databases, descriptor_length, precision)
+
+/// Times what training computes of descriptors, once per database: statistics, exclusion radii,
+/// overlapping sequences and passes. Databases are one generated walk without repetition. The rows
+/// have the processor time of all threads, the exponent of its growth since the row before, and the
+/// peak memory. Throws Error(usage) for settings out of range.
+BenchResult bench_training(const TrainingBenchSettings& settings, uint64_t seed,
+                           const Monitor& monitor);
 
 struct RealtimeBenchSettings {
   std::string method = "fastable";  ///< or "filter"

@@ -30,6 +30,15 @@ TEST_CASE("a benchmark writes JSON, tables and plots") {
   CHECK(run(kSmall + "-o b.json").exit_code == 2);
 }
 
+TEST_CASE("training is timed by database size, with its growth") {
+  const Json json =
+      printed_json("vpr-bench training --databases 200,400 --descriptor-length 30 --json");
+  REQUIRE(json["rows"].size() == 2);
+  CHECK(json["rows"][0]["values"]["processor_ms"] > 0);
+  CHECK_FALSE(json["rows"][0]["values"].contains("exponent"));
+  CHECK(json["rows"][1]["values"].contains("exponent"));
+}
+
 TEST_CASE("features of a frame count in frames per second, and images may be given") {
   const Json fabmap = printed_json(
       "vpr-bench fabmap --places 10 --words 30 --words-per-frame 9 --count 0 --frame-ms 500 "

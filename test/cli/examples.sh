@@ -30,7 +30,7 @@ vpr-query corridor.vprdb --query tuesday --c-l 20 --score zscore --decide margin
 vpr-query corridor.vprdb --query tuesday --c-l 1 --t-r 0.5 --save-matrix scores.npy --quiet
 for command in '' matrix loops compare convert check; do run vpr-eval $command; done
 for command in '' fastable fabmap threshold; do run vpr-tune $command; done
-for command in '' matching describe fabmap realtime; do run vpr-bench $command; done
+for command in '' matching describe training fabmap realtime; do run vpr-bench $command; done
 cp old.json new.json  # times of a busy machine differ
 run vpr-bench compare
 for program in vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth; do

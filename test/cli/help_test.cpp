@@ -18,7 +18,7 @@ const std::map<std::string, Words> kPrograms = {
     {"vpr-query", {"", " live", " loops", " matrix"}},
     {"vpr-eval", {"", " matrix", " loops", " report", " compare", " convert", " check"}},
     {"vpr-tune", {"", " fastable", " fabmap", " threshold"}},
-    {"vpr-bench", {"", " matching", " describe", " fabmap", " realtime", " compare"}},
+    {"vpr-bench", {"", " matching", " describe", " training", " fabmap", " realtime", " compare"}},
     {"vpr-synth", {""}}};
 
 void check_help(const std::string& program, const std::string& command) {

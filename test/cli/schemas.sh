@@ -61,6 +61,7 @@ vpr-bench matching --databases 100 --c-l 5 --query-frames 20 --seconds 0.001 -o 
 vpr-bench describe --features orb --frames 1 --seconds 0.001 -o b2.json
 vpr-bench fabmap --places 10 --words 100 --count 0 --variants fabmap2 --seconds 0.001 -o b3.json
 vpr-bench realtime w.vprdb --query building/query --frames 5 --rate 1000 -o b4.json
+vpr-bench training --databases 200 --descriptor-length 20 -o b5.json
 vpr-bench compare b.json b.json -o bc.json
 END
 echo '{"schema": "vpr.expected/5", "counts": {"pairs": {"incorrect": {"value": 9, "tolerance": 99}, "correct": {"min": 1}}}}' >x.json

@@ -123,6 +123,7 @@ const std::map<std::string, Generator> kGenerators = {
     {"matching_bench_settings", lines_of<MatchingBenchSettings>},
     {"describe_bench_settings", lines_of<DescribeBenchSettings>},
     {"fabmap_bench_settings", lines_of<FabmapBenchSettings>},
+    {"training_bench_settings", lines_of<TrainingBenchSettings>},
     {"realtime_bench_settings", lines_of<RealtimeBenchSettings>},
     {"filter_settings", lines_of<FilterSettings>},
     {"lsh_settings", lines_of<LshSettings>},
