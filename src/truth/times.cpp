@@ -156,10 +156,13 @@ std::optional<TimeUnit> unit_of_times(const FileLocation& file,
   };
   std::vector<std::pair<TimeUnit, std::string_view>> plausible;
   for (const auto& [unit, symbol] : kTimeUnits) {
-    if (is_between(*first, unit, kFirstDate, kLastDate) &&
-        is_between(*middle, unit, kLeastDateStep, kGreatestDateStep))
-      return unit;
-    if (is_between(*middle, unit, kLeastStep, kGreatestStep)) plausible.emplace_back(unit, symbol);
+    // A phone that has been on for weeks counts as many nanoseconds as dates have microseconds.
+    const double greatest = unit == TimeUnit::microseconds ? kGreatestStep : kGreatestDateStep;
+    const bool is_date = is_between(*first, unit, kFirstDate, kLastDate) &&
+                         is_between(*middle, unit, kLeastDateStep, kGreatestDateStep);
+    if (is_date && is_between(*middle, unit, 0, greatest)) return unit;
+    if (is_date || is_between(*middle, unit, kLeastStep, kGreatestStep))
+      plausible.emplace_back(unit, symbol);
   }
   if (plausible.empty()) return unit_of_time(texts.front());
   if (has_points && plausible.front().first == TimeUnit::seconds) return TimeUnit::seconds;
@@ -232,26 +235,27 @@ size_t nearest_time(std::span<const int64_t> times, int64_t time) {
 
 std::optional<int64_t> parse_calendar_time(std::string_view text) {
   static const std::regex kDate(
-      R"((\d{4})-(\d\d)-(\d\d)[T ](\d\d):(\d\d):(\d\d)(?:[.,](\d+))?(?:[Zz]|([+-]\d\d)(?::?(\d\d))?)?)");
+      R"((\d{4})([-/:]?)(\d\d)\2(\d\d)[Tt ](\d\d)(:?)(\d\d)\6(\d\d)(?:[.,](\d+))?)"
+      R"(( ?(?:[Zz]|UTC|GMT)| ?([+-]\d\d)(?::?(\d\d))?(?: UTC)?)?)");
   std::cmatch parts;
   if (text.size() > kMaxDate ||
       !std::regex_match(text.data(), text.data() + text.size(), parts, kDate))
     return std::nullopt;
   const auto number = [&](size_t part) { return std::atoi(parts.str(part).c_str()); };
-  const int zone_hours = std::abs(number(8));
+  const int zone_hours = std::abs(number(11));
   const std::chrono::seconds zone =
-      std::chrono::hours(zone_hours) + std::chrono::minutes(number(9));
+      std::chrono::hours(zone_hours) + std::chrono::minutes(number(12));
   const std::chrono::year_month_day date{std::chrono::year(number(1)),
-                                         std::chrono::month(static_cast<unsigned>(number(2))),
-                                         std::chrono::day(static_cast<unsigned>(number(3)))};
-  if (number(1) < 1900 || number(1) > 2200 || !date.ok() || number(4) > 23 || number(5) > 59 ||
-      number(6) > 60 || zone_hours > 15 || number(9) > 59)
+                                         std::chrono::month(static_cast<unsigned>(number(3))),
+                                         std::chrono::day(static_cast<unsigned>(number(4)))};
+  if (number(1) < 1900 || number(1) > 2200 || !date.ok() || number(5) > 23 || number(7) > 59 ||
+      number(8) > 60 || zone_hours > 15 || number(12) > 59)
     return std::nullopt;
   const std::chrono::sys_seconds local =
-      std::chrono::sys_days(date) + std::chrono::hours(number(4)) +
-      std::chrono::minutes(number(5)) + std::chrono::seconds(number(6));
-  const std::chrono::sys_seconds utc = parts.str(8).starts_with('-') ? local + zone : local - zone;
-  std::string fraction = parts.str(7);
+      std::chrono::sys_days(date) + std::chrono::hours(number(5)) +
+      std::chrono::minutes(number(7)) + std::chrono::seconds(number(8));
+  const std::chrono::sys_seconds utc = parts.str(11).starts_with('-') ? local + zone : local - zone;
+  std::string fraction = parts.str(9);
   fraction.resize(9, '0');
   return utc.time_since_epoch().count() * kSecond + *parse_digits(fraction);
 }
@@ -267,7 +271,9 @@ int64_t TimeReader::read(const FileLocation& location, std::string_view text) {
   if (!unit_) unit_ = unit_of_time(text);
   auto time = unit_ ? parse_time(text, *unit_) : std::nullopt;
   if (!time) time = parse_calendar_time(text);
-  if (!time) location.fail("\"{}\" is not a valid time", text);
+  if (!time)
+    location.fail("\"{}\" is not a valid time. Use numbers, or dates such as 2020-03-23T12:00:10Z",
+                  text);
   return *time;
 }
 

@@ -72,6 +72,9 @@ TEST_CASE("the unit of times follows from their step, not from their digits") {
   CHECK(unit({"1403636580838555", "1403636580839555"}) == TimeUnit::microseconds);
   CHECK(unit({"1403636580838", "1403636580938"}) == TimeUnit::milliseconds);
   CHECK(unit({"1403636580", "1403637180"}) == TimeUnit::seconds);
+  // Two weeks since the start of a phone, or one frame per 100 seconds.
+  CHECK_THROWS_WITH(unit({"1209600000000000", "1209600100000000", "1209601200000000"}),
+                    Catch::Contains("they are 100000000 us or 100000000 ns apart"));
   // The median step, so gaps do not matter; nothing is known of one time.
   CHECK(unit({"0", "100", "200", "900000", "900100"}) == TimeUnit::milliseconds);
   CHECK(unit({"170000000000000"}) == TimeUnit::microseconds);
