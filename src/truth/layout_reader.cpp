@@ -1,6 +1,7 @@
 // The reader of all layouts.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -42,9 +43,9 @@ class LayoutReader {
     TimeReader times(with_times_ ? unit() : std::nullopt);
     const bool by_frame = rows_.has("frame") && !rows_.has("time") && !rows_.has("sec");
     std::set<size_t> listed;
-    size_t points = 0;  // the line to skip
+    size_t points = 0;  // the line after a pose
     for (size_t index = 0; rows_.next();) {
-      if (rows_.line() == points) continue;
+      if (rows_.line() == points && has_points()) continue;
       if (!layout_.keyword.empty() && rows_.cells().front() != layout_.keyword) continue;
       if (layout_.has_points) points = rows_.line() + 1;
       check_width();
@@ -57,7 +58,8 @@ class LayoutReader {
         found_.poses.push_back(pose);
         found_.lines.push_back(rows_.line());
         if (with_times_ && has_time()) found_.times_ns.push_back(read_time(times));
-        if (layout_.has_points) found_.names.emplace_back(name());
+        if (has_names_) found_.names.emplace_back(name());
+        check_device();
         continue;
       }
       frame = *in_range;
@@ -69,7 +71,7 @@ class LayoutReader {
     }
     check_lengths();
     check_centers();
-    found_.has_certain_names = layout_.has_points;
+    found_.has_certain_names = has_names_;
     if (layout_.is_table() && !by_frame) read_names(rows_, source_.range, found_);
     return std::move(found_);
   }
@@ -89,6 +91,13 @@ class LayoutReader {
   void check_columns() const {
     const auto& header = rows_.header();
     const auto is_w = [](const std::string& name) { return lower_case(name) == "w"; };
+    const auto is_end = [](const std::string& name) {
+      return lower_case(name).starts_with("destination_timestamp");
+    };
+    if (layout_.is_table() && std::ranges::any_of(header, is_end))
+      rows_.fail(
+          "its lines are motions between two times, not positions. Use the positions of the data "
+          "set, such as ins.csv or gps.csv");
     if (layout_.is_table() && !rows_.has("qw") && std::ranges::any_of(header, is_w))
       rows_.fail(
           "its columns x, y, z and w are a quaternion. Rename them qx, qy, qz and qw, and those of "
@@ -132,9 +141,24 @@ class LayoutReader {
                              : seconds;
   }
 
-  // The name of a frame in the last column, which may have blanks.
+  // Points are triples of numbers, but a pose ends with a name.
+  bool has_points() const {
+    return rows_.cells().size() % 3 == 0 && parse_real(rows_.cells().back());
+  }
+
+  // Cameras of a rig have one pose each.
+  void check_device() {
+    if (!rows_.has("device")) return;
+    const auto [other, is_first] = devices_.try_emplace(rows_.text("time"), rows_.text("device"));
+    if (!is_first && other->second != rows_.text("device"))
+      rows_.fail("the devices {} and {} have poses of one time. Keep the lines of one device",
+                 other->second, rows_.text("device"));
+  }
+
+  // The name of a frame, which may have blanks in the last column.
   std::string_view name() const {
     const std::string_view first = rows_.text("image");
+    if (layout_.columns.back() != "image") return first;
     const std::string_view last = rows_.cells().back();
     return {first.data(), static_cast<size_t>(last.data() + last.size() - first.data())};
   }
@@ -161,6 +185,7 @@ class LayoutReader {
     if (rows_.has("heading") && !is_missing(rows_.text("heading")))
       pose.heading_deg = rows_.real("heading");
     if (rows_.has("yaw")) pose.heading_deg = rows_.real("yaw") * 180 / std::numbers::pi;
+    if (rows_.has("roll") && rows_.has("yaw")) check_turns();
     if (rows_.has("qw")) pose.orientation = read_quaternion();
     if (rows_.has("m0")) pose.orientation = read_matrix();
     if (pose.orientation) pose.heading_deg.reset();
@@ -191,6 +216,14 @@ class LayoutReader {
     return matrix;
   }
 
+  void check_turns() const {
+    const std::array<double, 3> turns = {rows_.real("roll"), rows_.real("pitch"),
+                                         rows_.real("yaw")};
+    if (!are_radians(turns))
+      rows_.fail("roll, pitch and yaw are {:g}, {:g} and {:g}, but radians are at most 6.28",
+                 turns[0], turns[1], turns[2]);
+  }
+
   void check_lengths() const {
     if (2 * unequal_ > quaternions_)
       rows_.fail(
@@ -216,7 +249,9 @@ class LayoutReader {
   SequenceArgument source_;
   Rows rows_;
   bool with_times_;
+  bool has_names_ = layout_.has("image") && !layout_.is_table();
   Trajectory found_ = {};
+  std::map<std::string_view, std::string_view> devices_ = {};  // by time
   Poses translations_ = {};  // of poses that map the world to the camera
   std::string device_ = {};
   size_t quaternions_ = 0;

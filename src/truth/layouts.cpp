@@ -89,6 +89,7 @@ class Line {
       const bool counts =
           column == "frame" || column == "sec" || column == "nsec" || column == "id";
       if (counts && !is_integer) return false;
+      if (column == "image" && parse_real(cell)) return false;
     }
     return true;
   }
@@ -102,7 +103,9 @@ class Line {
   bool is_plausible() const {
     const auto matrix = values(kMatrix);
     const auto degrees = values(std::array<std::string_view, 2>{"lat", "lon"});
+    const auto turns = values(kTurns);
     return is_length(length().value_or(1)) && (!matrix || is_rotation(*matrix)) &&
+           (!turns || are_radians(*turns)) &&
            (!degrees || (std::abs((*degrees)[0]) <= 90 && std::abs((*degrees)[1]) <= 360));
   }
 
@@ -196,6 +199,12 @@ std::vector<Layout> layouts_by_numbers() {
        ",",
        {"time", "x", "y", "z", "roll", "pitch", "skipped", "qx", "qy", "qz", "qw"},
        {11}},
+      {"nclt",
+       "CSV time in us, x, y, z, roll, pitch, yaw",
+       ",",
+       {"time", "x", "y", "z", "roll", "pitch", "yaw"},
+       {7}},
+      {"tartanair", "x y z qx qy qz qw", " ", {"x", "y", "z", "qx", "qy", "qz", "qw"}, {7}},
       {"leica", "CSV time in ns, x, y, z", ",", {"time", "x", "y", "z"}, {4}},
       {"mulran", "CSV time in ns and 3 x 4 matrix", ",", after({"time"}, kitti), {13}},
       {"mulran-gps",
@@ -218,6 +227,18 @@ std::vector<Layout> layouts_by_words() {
            .columns = {"time", "device", "qw", "qx", "qy", "qz", "x", "y", "z"},
            .widths = {9},
            .marker = "kapture",
+           .is_world_to_camera = true},
+          {.name = "lamar",
+           .summary = "trajectories.txt: time, device, qw, qx, qy, qz, x, y, z, covariances",
+           .separators = ",",
+           .columns = {"time", "device", "qw", "qx", "qy", "qz", "x", "y", "z"},
+           .widths = {9, 45},
+           .marker = "*covar"},
+          {.name = "hloc",
+           .summary = "results: image qw qx qy qz x y z; world to camera",
+           .separators = " ",
+           .columns = {"image", "qw", "qx", "qy", "qz", "x", "y", "z"},
+           .widths = {8},
            .is_world_to_camera = true},
           {.name = "g2o",
            .summary = "VERTEX_SE3:QUAT frame x y z qx qy qz qw",
@@ -249,11 +270,12 @@ std::vector<Layout> layouts_by_words() {
 }  // namespace
 
 bool is_value(std::string_view column) {
-  constexpr std::array<std::string_view, 3> kOthers = {"yaw", "lat", "lon"};
+  constexpr std::array<std::string_view, 2> kOthers = {"lat", "lon"};
   const auto is_one_of = [&](const auto& columns) {
     return std::ranges::find(columns, column) != columns.end();
   };
-  return is_one_of(kPosition) || is_one_of(kQuaternion) || is_one_of(kMatrix) || is_one_of(kOthers);
+  return is_one_of(kPosition) || is_one_of(kQuaternion) || is_one_of(kMatrix) ||
+         is_one_of(kTurns) || is_one_of(kOthers);
 }
 
 size_t width_of(std::span<const std::string_view> cells) {

@@ -19,6 +19,7 @@ inline constexpr std::array<std::string_view, 4> kQuaternion = {"qx", "qy", "qz"
 inline constexpr std::array<std::string_view, 9> kMatrix = {"m0", "m1", "m2", "m3", "m4",
                                                             "m5", "m6", "m7", "m8"};
 inline constexpr std::array<std::string_view, 3> kPosition = {"x", "y", "z"};
+inline constexpr std::array<std::string_view, 3> kTurns = {"roll", "pitch", "yaw"};
 
 /// Whether a column has coordinates or angles.
 bool is_value(std::string_view column);
@@ -32,8 +33,8 @@ struct Layout {
   std::string_view summary;  ///< for help texts and errors
   std::string_view separators;
   /// The columns in their order. Roles are time, sec and nsec, frame, image, x, y, z, qx to qw (a
-  /// quaternion), m0 to m8 (a rotation matrix, row by row), yaw (in radians), lat and lon; other
-  /// columns are skipped. In a table, the columns that its header may name.
+  /// quaternion), m0 to m8 (a rotation matrix, row by row), roll, pitch and yaw (in radians), lat
+  /// and lon; other columns are skipped. In a table, the columns that its header may name.
   std::vector<std::string_view> columns;
   /// Possible numbers of columns; those after `columns` are skipped. Empty for a table.
   std::vector<size_t> widths = {};

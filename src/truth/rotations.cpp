@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <opencv2/core.hpp>
 
@@ -35,6 +36,11 @@ bool is_rotation(const std::array<double, 9>& m) {
   const cv::Matx33d rows(m.data());
   const cv::Matx33d error = rows * rows.t() - cv::Matx33d::eye();
   return cv::norm(error, cv::NORM_INF) <= kRotationError && cv::determinant(rows) > 0;
+}
+
+bool are_radians(std::span<const double> angles) {
+  return std::ranges::all_of(angles,
+                             [](double angle) { return std::abs(angle) <= 2 * std::numbers::pi; });
 }
 
 void invert(Pose& pose) {

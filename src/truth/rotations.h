@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "truth/trajectory.h"
 
@@ -20,6 +21,9 @@ std::array<double, 9> matrix_of(const std::array<double, 4>& q, double length);
 
 /// Whether the rows are orthonormal and right-handed, up to rounding.
 bool is_rotation(const std::array<double, 9>& m);
+
+/// Whether angles may be radians.
+bool are_radians(std::span<const double> angles);
 
 /// The pose of a camera whose pose maps the world to it. The orientation is known.
 void invert(Pose& pose);

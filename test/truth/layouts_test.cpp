@@ -133,6 +133,19 @@ const std::vector<Example>& examples() {
        {5, 2, 3},
        true,
        kTenthSteps},
+      {"nclt",
+       "1326030975726043,1,2,3,0.01,-0.02,3.1\n1326030975826043,2,2,3,0.01,-0.02,3.1\n"
+       "1326030975926043,3,2,3,0.01,-0.02,3.1\n1326030976026043,4,2,3,0.01,-0.02,3.1\n"
+       "1326030976126043,5,2,3,0.01,-0.02,-3.1\n",
+       {1, 2, 3},
+       {5, 2, 3},
+       true,
+       kTenthSteps},
+      {"tartanair",
+       "1 2 3 0 0 0.6 0.8\n2 2 3 0 0 0.6 0.8\n3 2 3 0 0 0.6 0.8\n4 2 3 0 0 0.6 0.8\n"
+       "5 2 3 0 0 0.6 0.8\n",
+       {1, 2, 3},
+       {5, 2, 3}},
       {"leica",
        "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m]\n"
        "1403636578913555456,4.7,-1.8,0.8\n1403636579013555456,4.8,-1.8,0.8\n"
@@ -171,6 +184,20 @@ const std::vector<Example>& examples() {
        {5, 2, 3},
        true,
        4'000'000'000},
+      {"lamar",
+       "# timestamp, device_id, qw, qx, qy, qz, tx, ty, tz, *covar\n"
+       "100000, cam, 0.8, 0, 0, 0.6, 1, 2, 3\n200000, cam, 0.8, 0, 0, 0.6, 2, 2, 3\n"
+       "300000, cam, 0.8, 0, 0, 0.6, 3, 2, 3\n400000, cam, 0.8, 0, 0, 0.6, 4, 2, 3\n"
+       "500000, cam, 0.8, 0, 0, 0.6, 5, 2, 3\n",
+       {1, 2, 3},
+       {5, 2, 3},
+       true,
+       kTenthSteps},
+      {"hloc",  // cameras as in the example of kapture
+       "query/3.jpg 0 0 0 1 1 2 -3\nquery/1.jpg 0 0 0 1 2 2 -3\nquery/2.jpg 0 0 0 1 3 2 -3\n"
+       "query/4.jpg 0 0 0 1 4 2 -3\nquery/0.jpg 0 0 0 1 5 2 -3\n",
+       {1, 2, 3},
+       {5, 2, 3}},
       {"g2o",
        "VERTEX_SE3:QUAT 0 1 2 3 0 0 0 1\nVERTEX_SE3:QUAT 2 3 2 3 0 0 0 1\n"
        "VERTEX_SE3:QUAT 1 2 2 3 0 0 0 1\nVERTEX_SE3:QUAT 3 4 2 3 0 0 0 1\n"
@@ -289,6 +316,22 @@ TEST_CASE("COLMAP's images are cameras of the world, found by name") {
   CHECK(found.poses[0]->position[0] == Approx(1).margin(1e-7));
   CHECK(std::abs(found.poses[0]->position[1]) < 1e-7);
   check_refused([&] { read_trajectory("images.txt", {}); }, "names its frames", ErrorKind::usage);
+  // Without lines of points.
+  write_text("poses.txt", "#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n7" + quarter +
+                              "1 0 1 c.jpg\n2" + quarter + "9 0 1 a.jpg\n");
+  CHECK(read_layout("poses.txt", *find_layout("colmap"), false).names ==
+        std::vector<std::string>{"c.jpg", "a.jpg"});
+}
+
+TEST_CASE("a comment above the columns of EuRoC may name another order of the quaternion") {
+  const std::string names =
+      "#timestamp, p_WS_W_x, p_WS_W_y, p_WS_W_z, q_WS_x, q_WS_y, q_WS_z, q_WS_w\n";
+  write_text("okvis.csv", names + "1403636580000000000,1,2,3,0,0,0,1\n");
+  const FileStart start = open_start("okvis.csv");
+  REQUIRE(start.layout->name == "table");
+  const Trajectory found = read_layout("okvis.csv", *start.layout, false);
+  CHECK(found.poses[0]->position == std::array<double, 3>{1, 2, 3});
+  CHECK(found.poses[0]->orientation == std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1});
 }
 
 TEST_CASE("GPS of MulRan has degrees after the time") {
@@ -315,6 +358,13 @@ TEST_CASE("a trajectory of TUM is compared with one of EuRoC") {
 }
 
 TEST_CASE("columns with implausible values are refused") {
+  CHECK(test::has(refusal("1326030975726043,1,2,3,0.1,9.81,0.3\n"), "radians are at most 6.28"));
+  CHECK(test::has(refusal("# kapture format: 1.1\n0, a, 1, 0, 0, 0, 0, 0, 5\n"
+                          "0, b, 1, 0, 0, 0, 1, 0, 5\n"),
+                  "line 3: the devices a and b have poses of one time"));
+  CHECK(test::has(refusal("source_timestamp,destination_timestamp,x,y,z,roll,pitch,yaw\n"
+                          "2,1,0.1,0,0,0,0,0\n"),
+                  "motions between two times"));
   // Roll, pitch and yaw in the columns of a quaternion.
   CHECK(test::has(refusal("1 0 0 0 0.01 0.02 0.3 0\n2 1 0 0 0.01 0.02 0.3 0\n"),
                   "line 1: its quaternion has the length 0.30083"));
