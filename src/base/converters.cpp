@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/npy.h"
+#include "base/text.h"
 
 namespace vpr {
 namespace {
@@ -46,8 +47,19 @@ constexpr Converter kConverters[] = {
      }},
     {"nmea", "an NMEA log", "gpx.py", "gpsbabel -i nmea -f LOG -o gpx -F track.gpx, then ", false,
      [](const fs::path&, std::string_view start) {
-       return start.size() > 6 && start[0] == '$' && start[6] == ',' &&
-              (start[1] == 'G' || start[1] == 'B');
+       return std::ranges::any_of(split_lines(start), [](std::string_view line) {
+         return line.size() > 6 && line[0] == '$' && line[6] == ',' &&
+                (line[1] == 'G' || line[1] == 'B');
+       });
+     }},
+    {"kml", "a KML track", "gpx.py", "gpsbabel -i kml -f FILE -o gpx -F track.gpx, then ", false,
+     [](const fs::path&, std::string_view start) {
+       return start.find("<kml") != std::string_view::npos;
+     }},
+    {"tcx", "a TCX track", "gpx.py", "gpsbabel -i gtrnctr -f FILE -o gpx -F track.gpx, then ",
+     false,
+     [](const fs::path&, std::string_view start) {
+       return start.find("<TrainingCenterDatabase") != std::string_view::npos;
      }},
     {"mask", "an image", "mask.py", "", false, is_image},
     {"openseqslam2", "OpenSeqSLAM2's CSV", "openseqslam2.py", "", false, nullptr},

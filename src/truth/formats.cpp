@@ -163,16 +163,17 @@ const GroundTruthFormat& detect_format(const std::filesystem::path& path) {
                 "{}: has positions, but its header has no column frame. Add one with the number of "
                 "each frame, from 0",
                 path.string());
-  if (start.bytes.starts_with('{'))
+  if (start.bytes.starts_with('{') || start.bytes.starts_with('['))
     throw Error(
         ErrorKind::usage,
-        "{}: is JSON, as results and reports are, not a ground truth. To check one with the "
-        "frames of a result, use vpr-eval check GROUND-TRUTH --result RESULT",
+        "{}: is JSON, as results and reports are, not a ground truth. Write poses as a CSV "
+        "time,x,y,z,qx,qy,qz,qw or image,x,y,z. To check a ground truth with the frames of a "
+        "result, use vpr-eval check GROUND-TRUTH --result RESULT",
         path.string());
   refuse_convertible(start.path, start.bytes);
   if (const std::string hint = columns_hint(start); !hint.empty())
     throw Error(ErrorKind::usage, "{}{}", path.string(), hint);
-  if (start.path.extension() == ".csv")
+  if (start.path.extension() == ".csv" || start.header.size() > 1)
     throw Error(
         ErrorKind::data,
         "{}: its header \"{}\" has no columns query,reference (pairs), query,anchor, frame,x,y "

@@ -186,6 +186,12 @@ TEST_CASE("formats that scripts convert are refused with the script") {
   refused("t.nmea", "gpx.py", ErrorKind::usage);
   check_refused([&] { read_trajectory("t.nmea", {}); },
                 "gpsbabel -i nmea -f LOG -o gpx -F track.gpx, then", ErrorKind::usage);
+  write_text("t.log", "\n$PMTK011,MTKGPS*08\n$GPRMC,120000,A,5200.0,N,01300.0,E,0,0,010524,,*00\n");
+  check_refused([&] { read_trajectory("t.log", {}); }, "-i nmea", ErrorKind::usage);
+  write_text("t.kml", "<?xml version=\"1.0\"?>\n<kml></kml>\n");
+  check_refused([&] { read_trajectory("t.kml", {}); }, "-i kml", ErrorKind::usage);
+  write_text("t.tcx", "<?xml version=\"1.0\"?>\n<TrainingCenterDatabase/>\n");
+  check_refused([&] { read_trajectory("t.tcx", {}); }, "-i gtrnctr", ErrorKind::usage);
   refused("photos", "exif.py", ErrorKind::data);
   check_refused([&] { read_trajectory("t.gpx", {}); }, "gpx.py", ErrorKind::usage);
   check_refused([&] { read_frame_times("photos", {}); }, "exif.py");
