@@ -44,7 +44,8 @@ std::vector<std::byte> small_jpeg(const cv::Mat& image, int side) {
   return {bytes.begin(), bytes.end()};
 }
 
-constexpr int kThumbnailSide = 128;  // pixels
+constexpr int kThumbnailSide = 128;  // pixels, of strips
+constexpr int kSingleSide = 240;     // of single images
 
 std::string strip(const std::string& title, const std::vector<size_t>& frames,
                   const std::map<size_t, Thumbnail>& thumbnails) {
@@ -174,18 +175,25 @@ std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTr
       return is_best_first ? key : ~key;
     });
     const size_t begin = items.size();
-    for (const size_t q : order) {
-      if (items.size() - begin == most) break;
+    std::set<size_t> stretches;  // of the path, `most` of them, with an item
+    for (size_t i = 0; i < 2 * order.size() && items.size() - begin < most; ++i) {
+      const bool is_repeat = i >= order.size();
+      const size_t q = order[i % order.size()];
       const bool is_near = std::any_of(items.begin(), items.end(), [&](const GalleryItem& item) {
         const size_t away = item.query > q ? item.query - q : q - item.query;
         return away == 0 || (kind != GalleryKind::mistake && item.kind == kind && away < apart);
       });
       if (is_near) continue;
+      if (!stretches.insert(q * most / queries.size()).second && !is_repeat) continue;
       const size_t frame = queries[q].frame;
       auto match = middle_match(truth, judgment.layout, frame, judgment.layout.window_length - 1);
       if (!match) match = middle_match(truth, judgment.layout, frame, 0);  // without a whole window
       items.push_back({kind, q, match});
     }
+    std::ranges::sort(items.begin() + static_cast<ptrdiff_t>(begin), items.end(), {},
+                      [&](const GalleryItem& item) {
+                        return std::ranges::find(order, item.query) - order.begin();
+                      });
   };
   const Verdict good = judgment.by == JudgedBy::nothing ? Verdict::ignored : Verdict::correct;
   choose(GalleryKind::mistake, Verdict::incorrect, true);
@@ -283,11 +291,10 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
                      const FrameSources& sources, const Monitor& monitor, const GallerySize& size) {
   std::vector<GalleryItem> items = choose_gallery(judgment, truth, size.cards_of_a_kind);
   if (items.size() > size.cards) items.resize(size.cards);
-  if (!size.has_true_place)
-    for (GalleryItem& item : items) item.truth.reset();
   const ScoreLayout& layout = judgment.layout;
-  const FrameImages images = read_images(frames_of(items, judgment, size.strip_frames),
-                                         layout.scope, sources, kThumbnailSide, monitor);
+  const FrameImages images =
+      read_images(frames_of(items, judgment, size.strip_frames), layout.scope, sources,
+                  layout.window_length == 1 ? kSingleSide : kThumbnailSide, monitor);
   const auto frames_at = [&](size_t anchor) {
     return strip_frames(anchor, layout.window_length, size.strip_frames);
   };
@@ -296,15 +303,20 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
   gallery.kinds = kinds_html(items, judgment);
   for (const GalleryItem& item : items) {
     const QueryOutcome& outcome = judgment.outcomes.queries[item.query];
+    // The best match of a correct one is a true place.
+    const bool shows_truth =
+        item.truth && size.has_true_place && outcome.verdict != Verdict::correct;
     const char* verdict = !is_judged                            ? ""
                           : outcome.verdict == Verdict::correct ? "correct: "
                                                                 : "incorrect: ";
     gallery.cards += fmt::format(
-        "<article class=\"card {0}{1}\" data-at=\"{4}\" "
+        "<article class=\"card {0}{1}{5}\" data-at=\"{4}\" "
         "tabindex=\"0\"><h3>{2}query {3}</h3>",
-        enum_name(item.kind), is_judged ? "" : " unjudged", verdict, outcome.frame, item.query);
+        enum_name(item.kind), is_judged ? "" : " unjudged", verdict, outcome.frame, item.query,
+        shows_truth ? "" : " two");
     gallery.cards += fmt::format(
-        "<p>{} {:.4g}{}{}</p>", unit.words,
+        "<p>{}{} {:.4g}{}{}</p>",
+        outcome.margin ? fmt::format("margin {:.4g}, ", *outcome.margin) : "", unit.words,
         score_of_key(outcome.key, judgment.outcomes.kind) / unit.divisor,
         is_recognized(judgment, outcome) ? ", recognized" : ", not recognized",
         item.truth || !truth.is_known || !size.has_true_place ? ""
@@ -318,7 +330,7 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
     gallery.cards +=
         strip(fmt::format("query {}", outcome.frame), frames_at(outcome.frame), images.query);
     add_strip("best match", *outcome.best);
-    if (item.truth) add_strip("true place", *item.truth);
+    if (shows_truth) add_strip("true place", *item.truth);
     gallery.cards += "</article>\n";
   }
   if (items.empty())
@@ -330,8 +342,8 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
         "--dataset.";
   else
     gallery.note = fmt::format(
-        "Mistakes are ordered by their {}, the most confident first. Others are shown at least {} "
-        "frames apart.",
+        "One match per stretch of the path is shown before others, in the order of their {}. Those "
+        "of one kind, except mistakes, are at least {} frames apart.",
         judgment.outcomes.confidence == Confidence::margin ? "margin" : "score",
         std::max(kLeastApart, layout.window_length));
   return gallery;

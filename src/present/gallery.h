@@ -31,8 +31,10 @@ struct GalleryItem {
 
 /// Selects the most confident incorrect best matches, then the most and the least confident correct
 /// ones, at most `most` of each kind; without ground truth, the most and the least confident of all
-/// best matches. Queries of one kind, except mistakes, are at least a window and five frames apart;
-/// the earlier in this order stays, and on ties the earlier query. A query has one kind only.
+/// best matches. Of each kind, the path has `most` stretches of equal length; each shows one query
+/// before any shows another. Queries of one kind, except mistakes, are at least a window and five
+/// frames apart; the earlier in this order stays, and on ties the earlier query. A query has one
+/// kind only.
 std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTruth& truth,
                                         size_t most);
 
@@ -90,7 +92,7 @@ struct GallerySize {
   size_t cards_of_a_kind = 9;
   size_t cards = std::numeric_limits<size_t>::max();
   size_t strip_frames = 5;     ///< images per match
-  bool has_true_place = true;  ///< also shows a correct match
+  bool has_true_place = true;  ///< also shows a correct match of a mistake
 };
 
 /// `unit`: of the scores. Throws as make_thumbnails does.
