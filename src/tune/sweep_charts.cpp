@@ -33,7 +33,8 @@ ChartImage cells_image(const cv::Mat& cells) {
           static_cast<double>(cells.cols), static_cast<double>(cells.rows)};
 }
 
-Chart heat_chart(const Sweep& sweep, const std::string& what, uint64_t LabelCounts::*count,
+// Counts frames, as the printed table.
+Chart heat_chart(const Sweep& sweep, const std::string& what, uint64_t Localization::*count,
                  Meaning meaning) {
   const auto windows = distinct_texts(sweep, window_text);
   const auto thresholds = distinct_texts(sweep, threshold_text);
@@ -41,21 +42,21 @@ Chart heat_chart(const Sweep& sweep, const std::string& what, uint64_t LabelCoun
   chart.x = name_axis(sweep.score->window_symbol, windows, false);
   chart.y = name_axis(sweep.threshold_symbol, thresholds, true);
   uint64_t most = 1;
-  for (const CellCounts& cell : sweep.cells) most = std::max(most, cell.counts.recognitions.*count);
+  for (const CellCounts& cell : sweep.cells) most = std::max(most, cell.path.*count);
   cv::Mat image(static_cast<int>(thresholds.size()), static_cast<int>(windows.size()), CV_8UC3,
                 cv::Scalar::all(255));
   Series numbers{"", {}, SeriesStyle::points, meaning, SeriesMark::none};
   for (const CellCounts& cell : sweep.cells) {
     const auto x = std::ranges::find(windows, window_text(cell)) - windows.begin();
     const auto y = std::ranges::find(thresholds, threshold_text(cell)) - thresholds.begin();
-    const uint64_t recognitions = cell.counts.recognitions.*count;
+    const uint64_t frames = cell.path.*count;
     // From white to the full color, by the square root of the share in the largest count.
-    const double share = std::sqrt(static_cast<double>(recognitions) / static_cast<double>(most));
+    const double share = std::sqrt(static_cast<double>(frames) / static_cast<double>(most));
     cv::Vec3b& pixel = image.at<cv::Vec3b>(static_cast<int>(y), static_cast<int>(x));
     const cv::Vec3b full = bgr_of(meaning);
     for (int c = 0; c < 3; ++c) pixel[c] = static_cast<uint8_t>(255 + share * (full[c] - 255));
     numbers.points.emplace_back(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
-    numbers.labels.push_back(short_count(recognitions));
+    numbers.labels.push_back(short_count(frames));
   }
   chart.series = {numbers};
   chart.image = cells_image(image);
@@ -116,9 +117,9 @@ std::string heat_map_png(const std::vector<Sweep>& sweeps) {
   std::vector<Chart> charts;
   for (const Sweep& sweep : sweeps) {
     charts.push_back(
-        heat_chart(sweep, "correct recognitions", &LabelCounts::correct, Meaning::correct));
-    charts.push_back(
-        heat_chart(sweep, "incorrect recognitions", &LabelCounts::incorrect, Meaning::incorrect));
+        heat_chart(sweep, "frames recognized correctly", &Localization::correct, Meaning::correct));
+    charts.push_back(heat_chart(sweep, "frames recognized incorrectly", &Localization::incorrect,
+                                Meaning::incorrect));
   }
   return chart_png(charts, 2);
 }

@@ -16,21 +16,21 @@ using test::has;
 using test::pixels_of;
 using test::svg_of;
 
-TEST_CASE("a heat map has a cell for every setting, darker for more recognitions") {
+TEST_CASE("a heat map has a cell for every setting, darker for more frames") {
   Sweep sweep;
   sweep.query.name = "walk";
   for (const double threshold : {0.4, 0.5}) {
     CellCounts cell;
     cell.window = 10;
     cell.threshold = threshold;
-    cell.counts.recognitions.correct = threshold > 0.45 ? 100 : 25;
-    cell.counts.recognitions.incorrect = threshold > 0.45 ? 4 : 0;
+    cell.path.correct = threshold > 0.45 ? 100 : 25;
+    cell.path.incorrect = threshold > 0.45 ? 4 : 0;
     sweep.cells.push_back(cell);
   }
   const cv::Mat image = pixels_of(heat_map_png({sweep}));
   CHECK(count_of(image, Meaning::correct) > 1000);
   CHECK(count_of(image, Meaning::incorrect) > 1000);
-  const cv::Vec3b full = bgr_of(Meaning::correct);  // a quarter of the recognitions: half the shade
+  const cv::Vec3b full = bgr_of(Meaning::correct);  // a quarter of the frames: half the shade
   const cv::Scalar half((255 + full[0]) / 2, (255 + full[1]) / 2, (255 + full[2]) / 2);
   cv::Mat found;
   cv::inRange(image, half - cv::Scalar::all(1), half + cv::Scalar::all(1), found);
