@@ -238,7 +238,8 @@ ChartLayout layout_of(const Chart& chart, bool for_page) {
   if (chart.image && chart.image->grays) below += for_page ? 40 : 58;
   const double legend_top = below + 14;
   if (!for_page) below = legend_top + lay_legend(chart, layout);
-  if (!chart.image) area.height = chart.height - area.top - below - 6;
+  if (!chart.image)  // plans next to each other have one scale, whatever their legends
+    area.height = chart.height - area.top - (chart.is_plan ? legend_top : below) - 6;
   if (chart.is_plan) keep_aspect(layout);
   layout.height = area.bottom() + below + 6;
   for (LegendEntry& entry : layout.legend) entry.y += area.bottom() + legend_top + 10;
