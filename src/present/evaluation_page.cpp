@@ -6,6 +6,7 @@
 #include <span>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/json.h"
 #include "base/text.h"
@@ -109,6 +110,26 @@ void add_sources(Json& data, const GroundTruthScope& scope) {
                                                   : Json(train.sequence.selection.sources));
 }
 
+// "filter on tuesday, 111 frames, in monday, 111 frames".
+std::string title_of(const Report& report, const GroundTruthScope& scope) {
+  constexpr size_t kMostNamed = 3;  // training sequences
+  std::vector<std::string> trained;
+  size_t frames = 0;
+  for (const auto& train : scope.sequences) {
+    if (!train.searched || scope.has_places) continue;
+    trained.push_back(
+        fmt::format("{}, {}", train.sequence.name, counted(train.sequence.frames, "frame")));
+    frames += train.sequence.frames;
+  }
+  std::string title =
+      fmt::format("{}, {}", evaluation_title(report), counted(scope.query.frames, "frame"));
+  if (trained.size() > kMostNamed)
+    return title +
+           fmt::format(", in {} training sequences, {}", trained.size(), counted(frames, "frame"));
+  if (!trained.empty()) title += fmt::format(", in {}", fmt::join(trained, ", "));
+  return title;
+}
+
 /// Values per query, the bands of the charts' axes, and counts by threshold.
 Json page_data(const Report& report, const Judgment& judgment) {
   Json data;
@@ -158,7 +179,7 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
   Json& protocol = json["protocol"];
   protocol.erase("ground_truth");                      // the subtitle
   if (truth.is_known) protocol.erase("localization");  // the title of its table
-  return fill_page(kPage, {{"title", html_escaped(evaluation_title(report))},
+  return fill_page(kPage, {{"title", html_escaped(title_of(report, judgment.layout.scope))},
                            {"summary", html_escaped(summary)},
                            {"subtitle", html_escaped(settings + "Ground truth: " + truth.protocol)},
                            {"style", palette_css() + std::string(kStyle)},
