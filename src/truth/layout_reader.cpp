@@ -1,7 +1,6 @@
 // The reader of all layouts.
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <set>
 
@@ -59,7 +58,6 @@ class LayoutReader {
         found_.lines.push_back(rows_.line());
         if (with_times_ && has_time()) found_.times_ns.push_back(read_time(times));
         if (has_names_) found_.names.emplace_back(name());
-        check_device();
         continue;
       }
       frame = *in_range;
@@ -144,15 +142,6 @@ class LayoutReader {
   // Points are triples of numbers, but a pose ends with a name.
   bool has_points() const {
     return rows_.cells().size() % 3 == 0 && parse_real(rows_.cells().back());
-  }
-
-  // Cameras of a rig have one pose each.
-  void check_device() {
-    if (!rows_.has("device")) return;
-    const auto [other, is_first] = devices_.try_emplace(rows_.text("time"), rows_.text("device"));
-    if (!is_first && other->second != rows_.text("device"))
-      rows_.fail("the devices {} and {} have poses of one time. Keep the lines of one device",
-                 other->second, rows_.text("device"));
   }
 
   // The name of a frame, which may have blanks in the last column.
@@ -251,7 +240,6 @@ class LayoutReader {
   bool with_times_;
   bool has_names_ = layout_.has("image") && !layout_.is_table();
   Trajectory found_ = {};
-  std::map<std::string_view, std::string_view> devices_ = {};  // by time
   Poses translations_ = {};  // of poses that map the world to the camera
   std::string device_ = {};
   size_t quaternions_ = 0;

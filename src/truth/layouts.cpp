@@ -167,10 +167,15 @@ Fit fit_of(const Layout& layout, const Sample& sample) {
   return is_plausible && 2 * unequal <= lengths ? Fit::values : Fit::columns;
 }
 
+/// In kapture's records_gnss.txt, x and y are degrees.
+bool is_kapture_gnss(const FileStart& start) {
+  return has_columns(first_row(start.bytes, kListSeparators), {"x", "y", "utc", "dop"});
+}
+
 bool is_table_header(const FileStart& start) {
   const std::vector<std::string> header = first_row(start.bytes, kListSeparators);
   const auto has = [&](std::string_view column) { return has_columns(header, {column}); };
-  return has("x") && has("y") && !is_gps_header(header) &&
+  return has("x") && has("y") && !is_gps_header(header) && !is_kapture_gnss(start) &&
          (has("time") || has("sec") || has("z") || has("image") || has("qw"));
 }
 
@@ -314,6 +319,7 @@ const Layout* detect_layout(const FileStart& start) {
 }
 
 std::string columns_hint(const FileStart& start) {
+  if (is_kapture_gnss(start)) return ": its x and y are degrees. Name these columns lon and lat";
   const std::vector<std::string> cells = first_row(start.first_line + "\n", kListSeparators);
   const auto is_number = [](const std::string& cell) { return parse_real(cell).has_value(); };
   if (cells.size() < 4 || !std::ranges::all_of(cells, is_number)) return "";
