@@ -250,8 +250,8 @@ Chart in_figure(Chart chart, const FigureSettings& figure) {
   if (!figure.size_mm) return chart;
   chart.title.clear();
   if (chart.image) return chart;
-  chart.width = figure.size_mm->first * kUnitsPerMm;
-  if (!chart.y.has_text_inside) chart.height = figure.size_mm->second * kUnitsPerMm;
+  chart.width = std::round(figure.size_mm->first * kUnitsPerMm);
+  if (!chart.y.has_text_inside) chart.height = std::round(figure.size_mm->second * kUnitsPerMm);
   return chart;
 }
 

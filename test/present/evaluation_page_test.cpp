@@ -280,7 +280,7 @@ TEST_CASE("without ground truth, a page shows matches without evaluation") {
   CHECK_FALSE(test::has(page, "recognized, incorrect"));
   CHECK_FALSE(test::has(page, "worst mistakes"));
   CHECK_FALSE(test::has(page, "class=\"card mistake\""));
-  CHECK(test::has(page, "class=\"card recognition unjudged\""));
+  CHECK(test::has(page, "class=\"card recognition unjudged two\""));
   CHECK_FALSE(test::has(page, "correct: query"));
   CHECK_FALSE(test::has(page, "; the ground truth has no match"));
   CHECK(test::has(page, "<dd>7</dd>"));
