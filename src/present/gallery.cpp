@@ -190,10 +190,6 @@ std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTr
       if (!match) match = middle_match(truth, judgment.layout, frame, 0);  // without a whole window
       items.push_back({kind, q, match});
     }
-    std::ranges::sort(items.begin() + static_cast<ptrdiff_t>(begin), items.end(), {},
-                      [&](const GalleryItem& item) {
-                        return std::ranges::find(order, item.query) - order.begin();
-                      });
   };
   const Verdict good = judgment.by == JudgedBy::nothing ? Verdict::ignored : Verdict::correct;
   choose(GalleryKind::mistake, Verdict::incorrect, true);
