@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -327,6 +328,16 @@ Texture paint_ceiling(const FloorDay& floor_day, const BakedLight& light) {
   return make_texture(picture);
 }
 
+// The distance between the lamps of a room that differs from its twin on another floor; nullopt
+// for any other room.
+std::optional<double> renovated_lamps(const World& world, size_t floor, size_t room) {
+  const Floor& own = world.floors[floor];
+  if (own.renovated == 0) return std::nullopt;
+  RandomEngine engine = named_engine(world.seed, fmt::format("renovated/{}/{}", own.name, room));
+  if (!chance(engine, own.renovated)) return std::nullopt;
+  return between(engine, 2, 4.5);
+}
+
 }  // namespace
 
 bool has_windows(const World& world, const FloorNames& names, const FloorPlan& plan, size_t index) {
@@ -339,12 +350,16 @@ bool has_windows(const World& world, const FloorNames& names, const FloorPlan& p
 }
 
 Scene make_scene(const World& world, size_t floor, const Monitor& monitor, uint64_t day) {
-  const Floor& planned = plan_floor(world, floor);
+  Floor planned = plan_floor(world, floor);
   const FloorNames names{world.floors[floor].name, planned.name};
+  std::vector<Finish> rooms;
+  for (size_t i = 0; i < planned.rooms.size(); ++i) {
+    const auto lamps = renovated_lamps(world, floor, i);
+    if (lamps) planned.rooms[i].lamp_spacing_m = *lamps;
+    rooms.push_back(room_finish(world, lamps ? FloorNames{names.own, names.own} : names, i));
+  }
   Scene scene;
   scene.plan = make_floor_plan(planned);
-  std::vector<Finish> rooms;
-  for (size_t i = 0; i < planned.rooms.size(); ++i) rooms.push_back(room_finish(world, names, i));
   for (Lamp& lamp : scene.plan.lamps) lamp.power = rooms[lamp.room].lamps;
   const FloorDay floor_day{
       world, floor, planned, names, scene.plan, rooms, daylight_sources(world, names, scene.plan),

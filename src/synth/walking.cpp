@@ -22,6 +22,8 @@ constexpr double kStepsPerS = 1.8;
 constexpr double kTremorDeg = 0.6;     // amplitude of the hand's tremor in walks with jolts
 constexpr double kExposureLagS = 0.4;  // of the automatic exposure with a shutter time
 constexpr double kUnevenness = 0.15;   // maximum relative variation of the speed
+constexpr double kSharpTurn = 0.3;     // sine of the turn above which two moved legs meet
+constexpr uint64_t kLongestBurst = 3;  // of lost frames
 
 // A slow, smooth variation between about -1 and 1: the sum of two waves without a common period.
 struct Wander {
@@ -41,7 +43,7 @@ void check_open(const Walk& walk, const FloorPlan& plan, Point point) {
     if (!plan.is_open({point.x + dx, point.y + dy}))
       throw Error(ErrorKind::usage,
                   "the walk {} comes too close to a wall at x {:.2f}, y {:.2f}; move its path, or "
-                  "lower its shake",
+                  "lower its shake or variety.line_m",
                   walk.name, point.x, point.y);
 }
 
@@ -116,6 +118,54 @@ Swing jolt_at(uint64_t seed, const std::string& name, double most_deg, double st
   const double left = most * std::exp(-since_s / kJoltDecayS);
   const double sine = std::sin(pulse * since_s), cosine = std::cos(pulse * since_s);
   return {left * sine, left * (pulse * cosine - sine / kJoltDecayS)};
+}
+
+// The corners of the line that a walk takes: each leg of its path moved aside by its own distance,
+// at most variety.line_m, to the left or right.
+std::vector<std::vector<double>> line_of(const World& world, const Walk& walk) {
+  const double most = world.variety.line_m;
+  std::vector<std::vector<double>> corners = walk.path;
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  const size_t count = corners.size();
+  if (most == 0 || count < 2) return corners;
+  RandomEngine engine = named_engine(world.seed, "line/" + walk.name);
+  const auto corner = [&](size_t i) { return Point{corners[i][0], corners[i][1]}; };
+  std::vector<Point> ways, moves;  // of the legs: unit vector, and shift to the side
+  for (size_t i = 0; i + 1 < count; ++i) {
+    const Point way = 1 / distance(corner(i), corner(i + 1)) * (corner(i + 1) - corner(i));
+    ways.push_back(way);
+    moves.push_back(most * (2 * uniform_unit(engine) - 1) * Point(-way.y, way.x));
+  }
+  std::vector<std::vector<double>> line;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t in = i == 0 ? 0 : i - 1, out = std::min(i, ways.size() - 1);
+    const double sine = ways[in].cross(ways[out]);
+    Point moved = corner(i) + 0.5 * (moves[in] + moves[out]);
+    if (std::abs(sine) > kSharpTurn) {  // where the moved legs meet
+      const double along = (moves[out] - moves[in]).cross(ways[out]) / sine;
+      moved = corner(i) + moves[in] + along * ways[in];
+    }
+    line.push_back({moved.x, moved.y});
+  }
+  return line;
+}
+
+// Which of `count` frames of the camera are recorded: all but the share world.lost_frames, which is
+// lost in bursts of one to three frames. The first and the last frame are recorded.
+std::vector<bool> recorded_frames(const World& world, const Walk& walk, size_t count,
+                                  size_t recorded) {
+  std::vector<bool> is_recorded(count, true);
+  RandomEngine engine = named_engine(world.seed, "lost/" + walk.name);
+  for (size_t left = count - recorded; left > 0;) {
+    const uint64_t burst = 1 + uniform_below(engine, kLongestBurst);
+    const uint64_t first = 1 + uniform_below(engine, count - 2);
+    for (uint64_t i = first; i < std::min<uint64_t>(first + burst, count - 1) && left > 0; ++i) {
+      if (!is_recorded[i]) continue;
+      is_recorded[i] = false;
+      --left;
+    }
+  }
+  return is_recorded;
 }
 
 /// One frame of a walk.
@@ -257,7 +307,10 @@ double heading_difference(double a_deg, double b_deg) {
   return std::abs(std::remainder(a_deg - b_deg, 360.0));
 }
 
-std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const FloorPlan& plan) {
+namespace {
+
+// The poses of all frames of the camera, recorded or lost.
+std::vector<CameraPose> camera_poses(const World& world, const Walk& walk, const FloorPlan& plan) {
   RandomEngine engine = named_engine(world.seed, "walk/" + walk.name);
   const Wander pace(engine), side(engine), look(engine), nod(engine), tilt(engine), light(engine);
   const double step_phase = uniform_unit(engine);
@@ -266,7 +319,7 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
   RandomEngine tremor_engine = named_engine(world.seed, "tremor/" + walk.name);
   const double tremor_deg = walk.jolt_deg > 0 ? kTremorDeg : 0;
   const Tremor turning(tremor_engine, tremor_deg), nodding(tremor_engine, tremor_deg);
-  const Path path(walk.path);
+  const Path path(line_of(world, walk));
   const auto variation = [&](double time_s) { return kUnevenness * pace.at(time_s, 11); };
   const auto progress = is_uneven(walk) ? uneven_progress : even_progress;
   const std::vector<Progress> frames = progress(world, walk, path.length_m(), variation);
@@ -312,6 +365,33 @@ std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const F
       poses[i].pitch_deg += turn.angle_deg;
       poses[i].nod_deg_s += turn.rate_deg_s;
     }
+  }
+  return poses;
+}
+
+}  // namespace
+
+std::vector<CameraPose> walk_poses(const World& world, const Walk& walk, const FloorPlan& plan) {
+  if (world.lost_frames == 0) return camera_poses(world, walk, plan);
+  const double kept = 1 - world.lost_frames;
+  World camera = world;
+  camera.fps = world.fps / kept;
+  Walk seen = walk;
+  if (walk.frames > 0)
+    seen.frames = static_cast<size_t>(std::lround(static_cast<double>(walk.frames) / kept));
+  const std::vector<CameraPose> all = camera_poses(camera, seen, plan);
+  const size_t recorded =
+      walk.frames > 0 ? walk.frames : static_cast<size_t>(static_cast<double>(all.size()) * kept);
+  if (all.size() < 3 || recorded < 2) return all;
+  const std::vector<bool> is_recorded = recorded_frames(world, walk, all.size(), recorded);
+  std::vector<CameraPose> poses;
+  bool follows_cut = false;
+  for (size_t i = 0; i < all.size(); ++i) {
+    follows_cut = follows_cut || all[i].follows_cut;
+    if (!is_recorded[i]) continue;
+    poses.push_back(all[i]);
+    poses.back().follows_cut = follows_cut;
+    follows_cut = false;
   }
   return poses;
 }

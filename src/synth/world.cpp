@@ -32,7 +32,7 @@ struct Range {
 };
 
 constexpr Range kRanges[] = {
-    {0, 1, "resemblance finishes bareness wear far_view reflections changes shutter_s"},
+    {0, 1, "resemblance renovated finishes bareness wear far_view reflections changes shutter_s"},
     {0, 10, "window_light shake lamps daylight"},
     {-kMaxMeters, kMaxMeters, "path x y from_x from_y to_x to_y"},
     {kPlanCellM, kMaxMeters, "width depth"},
@@ -46,6 +46,8 @@ constexpr Range kRanges[] = {
     {0.05, 100, "speed_m_s"},
     {0, 3600, "seconds"},
     {0, 3, "hands"},
+    {0, 2, "line_m"},
+    {0, 0.5, "lost_frames"},
     {-1, 1, "warmth"},
     {0, 100, "noise"},
 };

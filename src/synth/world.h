@@ -26,9 +26,12 @@ struct BuildingVariety {
   double reflections = 0;   ///< 0 to 1: share of light that glass reflects
   double changes = 0;       ///< 0 to 1: share of objects at walls that differ between days
   double hands = 0;         ///< 0 to 3: variation between days in how the phone is held
+  /// 0 to 2: maximum distance of a walk from its path, to both sides; each walk draws one for each
+  /// leg between two corners
+  double line_m = 0;
 };
 VPR_FIELDS(BuildingVariety, finishes, bareness, wear, window_light, far_view, reflections, changes,
-           hands)
+           hands, line_m)
 
 enum class WalkUse { train, query, pretrain };
 template <>
@@ -134,11 +137,12 @@ struct Floor {
   std::string name;
   std::string like;
   double resemblance = 0.8;  ///< with `like`: share of equal objects
+  double renovated = 0;  ///< with `like`: share of rooms with their own paint, flooring and lamps
   std::vector<Room> rooms;
   std::vector<Pillar> pillars;
   std::vector<GlassFront> glass;
 };
-VPR_FIELDS(Floor, name, like, resemblance, rooms, pillars, glass)
+VPR_FIELDS(Floor, name, like, resemblance, renovated, rooms, pillars, glass)
 
 /// The smallest rectangle around all rooms of a floor.
 struct FloorExtent {
@@ -163,7 +167,9 @@ inline constexpr std::array<std::string_view, 2> kEnumNames<FrameFormat> = {"jpg
 struct World {
   std::string name;
   uint64_t seed = 1;
-  double fps = 8;
+  double fps = 8;  ///< mean rate of the recorded frames
+  double lost_frames =
+      0;  ///< share of the camera's frames that are lost, in bursts of one to three
   uint64_t image_width = 640;
   uint64_t image_height = 480;
   FrameFormat format = FrameFormat::jpg;
@@ -175,8 +181,8 @@ struct World {
   std::vector<WorldPlace> places;
   std::vector<Walk> walks;
 };
-VPR_FIELDS(World, name, seed, fps, image_width, image_height, format, resemblance, variety,
-           same_place_m, ignore_m, floors, places, walks)
+VPR_FIELDS(World, name, seed, fps, lost_frames, image_width, image_height, format, resemblance,
+           variety, same_place_m, ignore_m, floors, places, walks)
 
 /// The horizontal angle of view.
 inline constexpr double kViewDeg = 66;

@@ -234,6 +234,9 @@ TEST_CASE("invalid worlds are refused with a reason") {
   CHECK(refused("/variety/finishes", 1.5));
   CHECK(refused("/variety/window_light", -1));
   CHECK(refused("/variety/color", 1));
+  CHECK(refused("/variety/line_m", 3));
+  CHECK(refused("/lost_frames", 0.6));
+  CHECK(refused("/floors/0/renovated", 1.5));
   CHECK(refused("/floors/0/rooms/0/lamp_spacing_m", 0.1));
   CHECK(refused("/walks/0/jolt_deg", 6));
   CHECK(refused("/walks/0/crossing", 1001));

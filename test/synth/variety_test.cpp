@@ -123,6 +123,27 @@ TEST_CASE("rooms differ in finish by the requested amount") {
   CHECK(same(varied.floor, scene_of(world).floor));
 }
 
+TEST_CASE("renovated rooms differ from their twins in paint, flooring and lamps") {
+  World world = two_rooms();
+  world.variety.finishes = 1;
+  world.floors[0].rooms[0].lamp_spacing_m = 12;  // one lamp; renovated rooms have 2 to 4.5 m
+  Floor twin;
+  twin.name = "g";
+  twin.like = "f";
+  twin.resemblance = 1;
+  world.floors.push_back(twin);
+  const Scene like = make_scene(world, 1, Monitor(), 0);
+  world.floors[1].renovated = 1;
+  const Scene renovated = make_scene(world, 1, Monitor(), 0);
+  const auto lamps = [](const Scene& scene) {
+    return std::ranges::count(scene.plan.lamps, size_t{0}, &Lamp::room);
+  };
+  CHECK(lamps(like) == 1);
+  CHECK(lamps(renovated) >= 2);
+  CHECK(changed_walls(like, renovated) > like.walls.size() / 2);
+  CHECK_FALSE(same(like.floor, renovated.floor));
+}
+
 TEST_CASE("points belong to the hall if a hall and a corridor overlap") {
   Floor floor = two_rooms().floors[0];
   floor.rooms.push_back({RoomKind::corridor, 0, 0, 2.5, 11});

@@ -137,6 +137,57 @@ TEST_CASE("equal walks have equal poses, another name other poses") {
   CHECK(differs);
 }
 
+TEST_CASE("each walk keeps its own distance from each leg of its path") {
+  World world = corridor_world();
+  Walk walk = walk_along({{1, 1.5}, {18.5, 1.5}, {18.5, 11}}, 300);
+  walk.shake = 0;
+  const auto path = poses(world, walk);
+  world.variety.line_m = 0.5;
+  const auto line = poses(world, walk);
+  const double y = line.front().position.y, x = line.back().position.x;
+  CHECK(y != 1.5);
+  CHECK(x != 18.5);
+  CHECK(std::abs(y - 1.5) <= 0.5);
+  CHECK(std::abs(x - 18.5) <= 0.5);
+  for (const CameraPose& pose : line) {
+    if (pose.position.x < 16.5) CHECK(pose.position.y == Approx(y));
+    if (pose.position.y > 3.5) CHECK(pose.position.x == Approx(x));
+  }
+  CHECK(line.back().position.y == Approx(path.back().position.y));
+  walk.name = "v";
+  CHECK(poses(world, walk).front().position.y != y);
+  walk.path = {
+      {1, 1.5}, {9, 1.5}, {9, 1.5}, {16, 1.5}, {9, 1.5}};  // repeated, straight on, and back
+  for (const CameraPose& pose : poses(world, walk)) CHECK(std::abs(pose.position.y - 1.5) <= 0.5);
+}
+
+TEST_CASE("lost frames leave bursts of gaps between as many frames, in the same time") {
+  World world = corridor_world();
+  Walk walk = walk_along({{1, 1.5}, {16, 1.5}}, 101);
+  walk.shake = 0;
+  world.lost_frames = 0.2;  // of 126 frames, 12.5 per second
+  const auto found = poses(world, walk);
+  REQUIRE(found.size() == 101);
+  CHECK(found.front().position.x == Approx(1));
+  CHECK(found.back().position.x == Approx(16));
+  CHECK(found.back().time_s == Approx(10));
+  size_t gaps = 0, lost = 0;
+  for (size_t i = 1; i < found.size(); ++i) {
+    const double frames = (found[i].time_s - found[i - 1].time_s) * 12.5;
+    const auto missing = static_cast<size_t>(std::lround(frames)) - 1;
+    CHECK(frames == Approx(static_cast<double>(missing) + 1));
+    gaps += missing > 0 ? 1 : 0;
+    lost += missing;
+  }
+  CHECK(lost == 25);
+  CHECK(gaps < 20);  // bursts of one to three
+  CHECK(gaps > 5);
+  walk.frames = 0;
+  walk.cuts = {{5, 10}};
+  const auto cut = poses(world, walk);
+  CHECK(std::ranges::count(cut, true, &CameraPose::follows_cut) == 1);
+}
+
 TEST_CASE("a walk with one corner stands still, and one with one frame is at its start") {
   Walk standing = walk_along({{5, 1.5}}, 20);
   standing.shake = 0;
