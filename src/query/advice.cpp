@@ -40,22 +40,63 @@ Result filtered(const SequenceDatabase& database, const DescriptorSet& query,
       .result;
 }
 
-// The database with every `step`-th training frame.
+// The database with every `step`-th training frame, and what is known of these frames. It has no
+// distances between training frames to compute.
 SequenceDatabase thinned(const SequenceDatabase& database, size_t step, const Monitor& monitor) {
   SequenceDatabase thin;
   thin.descriptor = database.descriptor;
   thin.descriptors.kind = database.descriptors.kind;
   thin.descriptors.unit = database.descriptors.unit;
   const std::vector<DescribedFrames> spans = descriptor_spans(database);
+  std::vector<size_t> kept;  // frames of `database`
+  size_t first = 0;
   for (size_t s = 0; s < spans.size(); ++s) {
-    Sequence& sequence = thin.sequences.emplace_back().sequence;
+    TrainSequence& train = thin.sequences.emplace_back();
+    Sequence& sequence = train.sequence;
     sequence.name = database.sequences[s].sequence.name;
+    train.typical_distance = database.sequences[s].typical_distance;
+    if (const auto& radius = database.sequences[s].exclusion_radius)
+      train.exclusion_radius = divide_up(*radius, step);
     const std::vector<size_t>& unreadable = database.sequences[s].sequence.unreadable;
     for (size_t frame = 0; frame < spans[s].rows.size(); frame += step) {
       thin.descriptors.append(spans[s].rows.subspan(frame, 1));
+      kept.push_back(first + frame);
       if (std::ranges::binary_search(unreadable, frame))
         sequence.unreadable.push_back(sequence.frames);
       ++sequence.frames;
+    }
+    first += spans[s].rows.size();
+  }
+  // The last kept frame up to a frame, which is of the same keyframe or the one before.
+  const auto number = [&](size_t frame) {
+    return static_cast<size_t>(std::ranges::upper_bound(kept, frame) - kept.begin()) - 1;
+  };
+  thin.overlapping_sequences = database.overlapping_sequences;
+  if (database.statistics) {
+    TrainStatistics& statistics = thin.statistics.emplace();
+    statistics.settings = database.statistics->settings;
+    statistics.typical_distance = database.statistics->typical_distance;
+    statistics.code_distance = database.statistics->code_distance;
+    for (const size_t frame : kept) {
+      statistics.bias.push_back(database.statistics->bias[frame]);
+      statistics.variance.push_back(database.statistics->variance[frame]);
+    }
+    if (database.statistics->components) {
+      TrainComponents& components = statistics.components.emplace(*database.statistics->components);
+      for (size_t& landmark : components.landmarks) landmark = number(landmark);
+      for (std::vector<int8_t>& loadings : components.loadings) {
+        for (size_t k = 0; k < kept.size(); ++k) loadings[k] = loadings[kept[k]];
+        loadings.resize(kept.size());
+      }
+    }
+  }
+  if (database.repeated_places) {
+    std::vector<RepeatedPlace>& places = thin.repeated_places.emplace();
+    for (const auto& [frame, first_pass] : *database.repeated_places) {
+      const RepeatedPlace place{static_cast<uint32_t>(number(frame)),
+                                static_cast<uint32_t>(number(first_pass))};
+      const bool is_new = places.empty() || places.back().frame < place.frame;
+      if (is_new && place.first_pass < place.frame) places.push_back(place);
     }
   }
   ensure_statistics(thin, monitor);
