@@ -94,7 +94,7 @@ inline constexpr size_t kExhaustivePlaces = 4096;
 /// such ones at most 64 apart are too if their matches fit. Earlier passes do not compete with each
 /// other. Increasing by frame. `statistics`: of the training frames, with components.
 ///
-/// Of more than `exhaustive_places` keyframes, only those near a similar place are followed: a
+/// With more than `exhaustive_places` keyframes, only those near a similar place are followed: a
 /// filter over every fourth keyframe has 6 deviations more evidence for a place than for any
 /// reversed one. The 96 keyframes before it and 32 after it are followed as well, as a query of
 /// their own. Time: keyframes^2 / 32 distances, and keyframes for each followed one. Memory: two

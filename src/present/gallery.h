@@ -31,7 +31,7 @@ struct GalleryItem {
 
 /// Selects the most confident incorrect best matches, then the most and the least confident correct
 /// ones, at most `most` of each kind; without ground truth, the most and the least confident of all
-/// best matches. Of each kind, the path has `most` stretches of equal length; each shows one query
+/// best matches. For each kind, the path has `most` stretches of equal length; each shows one query
 /// before any shows another. Queries of one kind, except mistakes, are at least a window and five
 /// frames apart; the earlier in this order stays, and on ties the earlier query. A query has one
 /// kind only.
