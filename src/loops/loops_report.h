@@ -37,8 +37,8 @@ std::string loops_mistakes(const LoopsEvaluation& evaluation, size_t most = 20);
 /// frames that have a loop.
 Chart loops_map_chart(const LoopsEvaluation& evaluation);
 
-/// Writes loops and, if there are scores, precision-recall as SVG, PDF and PNG into the folder of an
-/// output. Throws Error(output).
+/// Writes loops and, if there are scores, precision-recall as SVG, PDF and PNG into the folder of
+/// an output. Throws Error(output).
 void draw_loops(const LoopsEvaluation& evaluation, const std::filesystem::path& folder);
 
 std::string loops_page(const LoopsEvaluation& evaluation, const RunInfo& run);

@@ -17,7 +17,7 @@ struct RunInfo {
   std::vector<std::string> command_line;
   std::map<std::string, std::string> paths;  ///< from the command line, by role such as "query"
   std::map<std::string, std::string> images = {};  ///< images_checksum of their frames, by role
-  std::string simd_target;                              ///< may be empty
+  std::string simd_target;                         ///< may be empty
   size_t threads = 0;
   size_t memory_limit = 0;  ///< bytes; 0: none
   uint64_t seed = 0;
