@@ -40,6 +40,10 @@ constexpr Converter kConverters[] = {
        return path.extension() == ".mat" || start.starts_with("MATLAB ") ||
               start.starts_with("\x89HDF\r\n");
      }},
+    {"octave", "a text file of Octave", "mat.py", "save -v7 FILE.mat NAME in Octave, then ", true,
+     [](const fs::path&, std::string_view start) {
+       return start.starts_with("# Created by Octave");
+     }},
     {"openfabmap", "OpenCV's YAML", "openfabmap.py", "", true, is_opencv_yaml},
     {"gpx", "a GPX track", "gpx.py", "", false,
      [](const fs::path& path, std::string_view start) {

@@ -7,6 +7,7 @@
 
 #include <fmt/ranges.h>
 
+#include "base/converters.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
@@ -333,6 +334,8 @@ bool has_columns(const std::vector<std::string>& header,
 
 Rows::Rows(const std::filesystem::path& path, const std::string& name, const RowRules& rules)
     : location_{name}, rules_(rules), text_(read_whole_file(path)) {
+  constexpr size_t kStart = 256;
+  refuse_convertible(path, std::string_view(text_).substr(0, kStart), /*arrays_only=*/true);
   if (const size_t zero = text_.find('\0'); zero != std::string::npos) {
     location_.at("line", split_lines(std::string_view(text_).substr(0, zero + 1)).size());
     fail("it is not text, because it has a zero byte. Save arrays as .npy");

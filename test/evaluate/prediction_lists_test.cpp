@@ -106,6 +106,9 @@ TEST_CASE("rankings begin with the query, or are refused") {
   };
   CHECK(test::has(test::error_text([&] { read(3); }), "cannot tell"));  // a line per query
   CHECK_NOTHROW(read(4));
+  test::write_text("list.txt",
+                   "# Created by Octave 7.3.0\n# name: A\n# type: matrix\n 1 2\n 3 4\n");
+  CHECK(test::has(test::error_text([&] { read(2); }), "save -v7 FILE.mat NAME in Octave"));
   test::write_text("list.txt", "2 0\n0 1\n1 2\n");  // queries once, but not in order
   CHECK(test::has(test::error_text([&] { read(3); }), "cannot tell"));
 }

@@ -160,6 +160,7 @@ TEST_CASE("files that scripts convert are refused with the script, by content or
   write_text("o.csv", "1, 2 ,0\n");
   write_text("g.txt", "<?xml?><gpx>");
   write_text("g.yml", "%YAML:1.0\n");
+  write_text("octave.txt", "# Created by Octave 7.3.0\n# name: A\n# type: matrix\n 1 0\n 0 1\n");
   write_text("p.npy", npy_header("|O", {3}));
   for (const auto& [name, script] : {std::pair("v7.bin", "mat"),
                                      {"v73.bin", "mat"},
@@ -169,6 +170,7 @@ TEST_CASE("files that scripts convert are refused with the script, by content or
                                      {"o.csv", "openseqslam2"},
                                      {"g.txt", "gpx"},
                                      {"g.yml", "openfabmap"},
+                                     {"octave.txt", "mat"},
                                      {"p.npy", "vpr_bench"}}) {
     INFO(name);
     const auto read = [&, path = std::string(name)] { read_labels(path, 3, 3); };
