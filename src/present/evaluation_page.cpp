@@ -110,7 +110,7 @@ void add_sources(Json& data, const GroundTruthScope& scope) {
                                                   : Json(train.sequence.selection.sources));
 }
 
-// "filter on tuesday, 111 frames, in monday, 111 frames".
+// "filter on tuesday (111 frames) in monday (111 frames)".
 std::string title_of(const Report& report, const GroundTruthScope& scope) {
   constexpr size_t kMostNamed = 3;  // training sequences
   std::vector<std::string> trained;
@@ -118,15 +118,15 @@ std::string title_of(const Report& report, const GroundTruthScope& scope) {
   for (const auto& train : scope.sequences) {
     if (!train.searched || scope.has_places) continue;
     trained.push_back(
-        fmt::format("{}, {}", train.sequence.name, counted(train.sequence.frames, "frame")));
+        fmt::format("{} ({})", train.sequence.name, counted(train.sequence.frames, "frame")));
     frames += train.sequence.frames;
   }
   std::string title =
-      fmt::format("{}, {}", evaluation_title(report), counted(scope.query.frames, "frame"));
+      fmt::format("{} ({})", evaluation_title(report), counted(scope.query.frames, "frame"));
   if (trained.size() > kMostNamed)
     return title +
-           fmt::format(", in {} training sequences, {}", trained.size(), counted(frames, "frame"));
-  if (!trained.empty()) title += fmt::format(", in {}", fmt::join(trained, ", "));
+           fmt::format(" in {} training sequences ({})", trained.size(), counted(frames, "frame"));
+  if (!trained.empty()) title += fmt::format(" in {}", fmt::join(trained, ", "));
   return title;
 }
 
