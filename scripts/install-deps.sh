@@ -10,7 +10,7 @@
 #   scripts/install-deps.sh --libraries  installs nothing, prints the packages that programs and tests link
 set -euo pipefail
 libraries=(
-  libopencv-dev libavformat-dev libavcodec-dev libswscale-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev librsvg2-dev
+  libopencv-dev libavformat-dev libavcodec-dev libswscale-dev libtbb-dev libhwy-dev libxxhash-dev libspdlog-dev libzip-dev zlib1g-dev librsvg2-dev
   libcli11-dev nlohmann-json3-dev
   libdlib-dev libblas-dev liblapack-dev # the first links the others, but does not depend on them
 )

@@ -1,11 +1,11 @@
 #include "base/zip_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cstring>
 
 #include <zip.h>
+#include <zlib.h>
 
 #include "base/error.h"
 
@@ -62,22 +62,6 @@ std::string written_bytes(zip_source_t* source) {
   zip_source_close(source);
   require(got == static_cast<zip_int64_t>(bytes.size()), "read");
   return bytes;
-}
-
-// CRC-32 (polynomial 0xedb88320) of bytes that follow those of `crc`; 0 at the beginning.
-uint32_t crc_of(uint32_t crc, std::span<const std::byte> bytes) {
-  static constexpr auto kTable = [] {
-    std::array<uint32_t, 256> table{};
-    for (uint32_t i = 0; i < table.size(); ++i) {
-      table[i] = i;
-      for (int bit = 0; bit < 8; ++bit)
-        table[i] = table[i] >> 1 ^ (table[i] % 2 != 0 ? 0xedb88320 : 0);
-    }
-    return table;
-  }();
-  crc = ~crc;
-  for (const std::byte byte : bytes) crc = crc >> 8 ^ kTable[(crc ^ uint32_t(byte)) & 255];
-  return ~crc;
 }
 
 constexpr uint64_t kAlignment = 64;     // of the bytes of a file in its archive
@@ -170,8 +154,10 @@ void ZipWriter::add(const std::string& name,
                     std::initializer_list<std::span<const std::byte>> parts) {
   Added added{name, position_, 0, 0};
   for (const auto part : parts) {
+    if (part.empty()) continue;  // crc32_z takes a null pointer as a new beginning
     added.size += part.size();
-    added.crc = crc_of(added.crc, part);
+    added.crc = static_cast<uint32_t>(
+        crc32_z(added.crc, reinterpret_cast<const Bytef*>(part.data()), part.size()));
   }
   const bool is_large = added.size >= kMost;
   constexpr size_t kHeader = 30;

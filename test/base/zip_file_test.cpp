@@ -21,8 +21,8 @@ void write_archive(const std::filesystem::path& path,
   Outputs outputs(Existing::replace);
   ZipWriter archive(outputs.file(path));
   for (const auto& [name, text] : files)
-    archive.add(name,
-                {bytes_of(text).first(text.size() / 2), bytes_of(text).subspan(text.size() / 2)});
+    archive.add(
+        name, {bytes_of(text).first(text.size() / 2), bytes_of(text).subspan(text.size() / 2), {}});
   archive.finish();
   outputs.commit();
 }
