@@ -94,17 +94,21 @@ Chart lanes_chart(const std::string& title, std::span<const Report> reports) {
 }  // namespace
 
 std::string comparison_page(std::span<const ComparisonReport> comparisons) {
-  const ComparisonReport& first = comparisons.front();
-  const Json json = comparison_json(first);
-  Json made = json["provenance"];
-  std::string numbers = table_html(compared_methods(comparisons, TableDetail::full, false)) +
-                        table_html(compared_methods(comparisons, TableDetail::brief, true));
+  std::vector<Json> jsons;
+  for (const ComparisonReport& comparison : comparisons)
+    jsons.push_back(comparison_json(comparison));
+  Json made = jsons.front()["provenance"];
+  std::string numbers;
+  if (comparisons.size() == 1)  // of several, the table with intervals has all columns
+    numbers = table_html(compared_methods(comparisons, TableDetail::full, false));
+  numbers += table_html(compared_methods(comparisons, TableDetail::brief, true));
   std::string figures;
   std::string sentences;
   std::string truths;
-  for (const ComparisonReport& comparison : comparisons) {
+  for (size_t i = 0; i < comparisons.size(); ++i) {
+    const ComparisonReport& comparison = comparisons[i];
     const std::string set = comparisons.size() == 1 ? "" : comparison.data_set + ": ";
-    made[set + "bootstrap"] = comparison_json(comparison)["bootstrap"];
+    made[set + "bootstrap"] = jsons[i]["bootstrap"];
     Chart curves = curves_overlay(
         set + "Precision and recall of best matches, over frames with a match", comparison.reports);
     curves.width = 650;
@@ -119,7 +123,7 @@ std::string comparison_page(std::span<const ComparisonReport> comparisons) {
     numbers += table_html(differences);
   return sections_page(title_of(comparisons), sentences, truths,
                        section_html("Paths and curves", figures) + section_html("Numbers", numbers),
-                       json["protocol"], made);
+                       jsons.front()["protocol"], made);
 }
 
 void draw_comparison(std::span<const ComparisonReport> comparisons,

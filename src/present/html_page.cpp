@@ -57,10 +57,9 @@ std::string groups_html(const Table& table) {
 std::string table_html(const Table& table) {
   const std::string title = html_escaped(table.title);
   const auto cell = [&](size_t row, size_t column) {
-    std::string text = html_escaped(table.rows[row][column]);
-    const size_t bracket = text.find(" [");
-    if (bracket < text.size() && text.ends_with(']'))  // an interval is below its value
-      text = text.substr(0, bracket) + "<br><small>" + text.substr(bracket + 1) + "</small>";
+    const auto [value, interval] = value_and_interval(table.rows[row][column]);
+    std::string text = html_escaped(value);
+    if (!interval.empty()) text += "<br><small>" + html_escaped(interval) + "</small>";
     return table.best.contains({row, column}) ? "<b>" + text + "</b>" : text;
   };
   std::string html = "<p class=\"note\">" + title + "</p>";

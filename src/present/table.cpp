@@ -195,11 +195,10 @@ std::string latex_groups(const Table& table) {
 
 // An interval in brackets is below its value, in small letters.
 std::string latex_cell(const std::string& text) {
-  const size_t bracket = text.find(" [");
-  if (bracket == std::string::npos || !text.ends_with(']')) return latex_escaped(text);
-  return fmt::format("\\shortstack[r]{{{}\\\\{{\\scriptsize {}}}}}",
-                     latex_escaped(text.substr(0, bracket)),
-                     latex_escaped(text.substr(bracket + 1)));
+  const auto [value, interval] = value_and_interval(text);
+  if (interval.empty()) return latex_escaped(value);
+  return fmt::format("\\shortstack[r]{{{}\\\\{{\\scriptsize {}}}}}", latex_escaped(value),
+                     latex_escaped(interval));
 }
 
 std::string latex_table(const Table& table) {
@@ -224,6 +223,12 @@ std::string latex_table(const Table& table) {
 }
 
 }  // namespace
+
+std::pair<std::string, std::string> value_and_interval(const std::string& text) {
+  const size_t bracket = text.find(" [");
+  if (bracket == std::string::npos || !text.ends_with(']')) return {text, ""};
+  return {text.substr(0, bracket), text.substr(bracket + 1)};
+}
 
 void mark_best(Table& table, size_t column, const std::vector<std::optional<double>>& values,
                bool is_low_good) {

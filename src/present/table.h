@@ -56,6 +56,10 @@ void add_column(Table& table, std::string_view column, const auto& cell) {
   table.rows[0].push_back(fmt::format("{}", cell));
 }
 
+/// The value of a cell, and the interval in brackets after it; empty without one. Where space is
+/// scarce, the interval is below its value.
+std::pair<std::string, std::string> value_and_interval(const std::string& text);
+
 /// Marks the cells of a column with the best value. `values`: one per row.
 void mark_best(Table& table, size_t column, const std::vector<std::optional<double>>& values,
                bool is_low_good);
