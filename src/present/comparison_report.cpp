@@ -45,10 +45,10 @@ std::string method_name(const fs::path& path) {
   return (stem.extension() == ".report" ? stem.stem() : stem).string();
 }
 
-// The difference to the first report, and the ends of its interval.
-std::array<Value, 3> differences(const ComparedValue& value) {
-  if (!value.interval) return {value.difference, {}, {}};
-  return {value.difference, value.interval->low, value.interval->high};
+// Unset without an interval.
+std::array<Value, 2> ends_of(const std::optional<Interval>& interval) {
+  if (!interval) return {};
+  return {interval->low, interval->high};
 }
 
 // Empty if the interval contains 0, and if best matches of the reports are not judged.
@@ -247,15 +247,16 @@ Json comparison_json(const ComparisonReport& comparison) {
       {"block", found.block}, {"resamples", comparison.settings.resamples}, {"confidence", 0.95}};
   json["metrics"] = Json::array();
   for (const ComparedValue& value : found.values) {
-    const auto [difference, low, high] = differences(value);
+    const auto [low, high] = ends_of(value.interval);
+    const auto [own_low, own_high] = ends_of(value.own);
     json["metrics"].push_back({{"metric", value.metric.key()},
                                {"report", comparison.reports[value.method].row_name},
                                {"value", or_null(value.value)},
-                               {"difference", or_null(difference)},
+                               {"difference", or_null(value.difference)},
                                {"low", or_null(low)},
                                {"high", or_null(high)},
-                               {"own_low", or_null(value.own ? Value(value.own->low) : Value())},
-                               {"own_high", or_null(value.own ? Value(value.own->high) : Value())},
+                               {"own_low", or_null(own_low)},
+                               {"own_high", or_null(own_high)},
                                {"best", value.is_best}});
   }
   json["protocol"] = {
@@ -379,11 +380,12 @@ std::string comparison_tables(std::span<const ComparisonReport> comparisons, Tab
   for (const ComparisonReport& comparison : comparisons) {
     Table table = methods_table(side_by_side(comparison), TableDetail::data);
     for (const ComparedValue& value : comparison.found.values) {
-      const auto [difference, low, high] = differences(value);
+      const auto [low, high] = ends_of(value.interval);
+      const auto [own_low, own_high] = ends_of(value.own);
       const std::array<std::pair<std::string_view, Value>, 5> numbers = {
-          {{"own low", value.own ? Value(value.own->low) : Value()},
-           {"own high", value.own ? Value(value.own->high) : Value()},
-           {"difference", difference},
+          {{"own low", own_low},
+           {"own high", own_high},
+           {"difference", value.difference},
            {"low", low},
            {"high", high}}};
       for (const auto& [name, number] : numbers) {
