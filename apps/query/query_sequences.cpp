@@ -92,7 +92,7 @@ std::string advice_text(const QueryData& data, const Result& result,
   if (settings.past) return wrapped_text(no_recognition_advice(result));
   ensure_statistics(*data.database, session.monitor);
   return wrapped_text(
-      filter_advice(*data.database, data.query, settings, resources, session.monitor));
+      filter_advice(*data.database, data.query, settings, resources, session.monitor, &result));
 }
 
 struct NamedSource {

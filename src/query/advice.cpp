@@ -115,46 +115,62 @@ double recognized_share(const Result& result) {
 }
 
 // A sentence if clearly more frames are recognized with a selection of the frames of one side or of
-// both, by the best selection; empty if not.
+// both, by the best selection; empty if not. As the filter follows half to twice the speed of the
+// training sequence, a third and a tenth tell whether other selections are worth a try.
 std::string selection_advice(const SequenceDatabase& database, const DescriptorSet& query,
                              const SequenceQuerySettings& settings, const Result& before,
                              const QueryResources& resources, const Monitor& monitor) {
   constexpr double kBetter = 1.5;
-  const Monitor silent = {{}, {}, monitor.stop};
-  std::string advice;
-  double best = std::max(1.0 / kFewest, kBetter * recognized_share(before));
-  const auto is_best = [&](const Result& found) {
-    const double share = recognized_share(found);
-    const bool is_better = advice.empty() ? share >= best : share > best;
-    if (is_better) best = share;
-    return is_better;
+  constexpr size_t kAll = 1;
+  struct Selection {
+    size_t query_step = kAll;
+    size_t train_step = kAll;
   };
-  for (const auto& [step, ordinal] :
-       {std::pair(2, "second"), std::pair(3, "third"), std::pair(4, "fourth"),
-        std::pair(6, "sixth"), std::pair(10, "tenth")}) {
+  const Monitor silent = {{}, {}, monitor.stop};
+  Selection best;
+  Result found = before;
+  const auto improves = [&](const Selection& selection) {
+    const auto& [query_step, train_step] = selection;
     const DescriptorSet fewer =
-        selected(query, at_speed(std::to_string(step), query.rows().size(), 1));
-    const SequenceDatabase thin = thinned(database, step, silent);
-    if (const Result found = filtered(thin, fewer, settings, resources, monitor); is_best(found))
-      advice = fmt::format(
-          "With every {} frame of both sides, {} are recognized: the frames between them say "
-          "little new. Train with PATH@::{}, and query PATH@::{}.",
-          ordinal, recognized_text(found), step, step);
-    if (step > 3) continue;
-    const bool is_flag_free = query.sequence.selection.speed.empty();
-    if (const Result found = filtered(database, fewer, settings, resources, monitor);
-        is_best(found))
-      advice = fmt::format(
-          "With every {} query frame{}, {} are recognized: the query is slow for the training "
-          "sequence, or the training sequence has too few frames per second.",
-          ordinal, is_flag_free ? fmt::format(" (--speed {})", step) : "", recognized_text(found));
-    if (const Result found = filtered(thin, query, settings, resources, monitor); is_best(found))
-      advice = fmt::format(
-          "With every {} training frame, {} are recognized: the query is fast for the training "
-          "sequence. Train with PATH@::{}.",
-          ordinal, recognized_text(found), step);
-  }
-  return advice;
+        query_step == kAll
+            ? query
+            : selected(query, at_speed(std::to_string(query_step), query.rows().size(), 1));
+    Result result = filtered(train_step == kAll ? database : thinned(database, train_step, silent),
+                             fewer, settings, resources, monitor);
+    if (recognized_share(result) <= recognized_share(found)) return false;
+    best = selection;
+    found = std::move(result);
+    return true;
+  };
+  const auto any_improves = [&](std::initializer_list<Selection> selections) {
+    return std::ranges::count_if(selections, improves) > 0;
+  };
+  if (any_improves({{3, 3}, {3, kAll}, {kAll, 3}, {10, 10}}))
+    any_improves({{2, 2}, {2, kAll}, {kAll, 2}, {4, 4}, {6, 6}});
+  if (recognized_share(found) < std::max(1.0 / kFewest, kBetter * recognized_share(before)))
+    return "";
+  const size_t step = std::max(best.query_step, best.train_step);
+  const std::string ordinal = step == 2   ? "second"
+                              : step == 3 ? "third"
+                              : step == 4 ? "fourth"
+                              : step == 6 ? "sixth"
+                                          : "tenth";
+  const std::string recognized = recognized_text(found);
+  if (best.query_step == best.train_step)
+    return fmt::format(
+        "With every {} frame of both sides, {} are recognized: the frames between them say "
+        "little new. Train with PATH@::{}, and query PATH@::{}.",
+        ordinal, recognized, step, step);
+  if (best.train_step != kAll)
+    return fmt::format(
+        "With every {} training frame, {} are recognized: the query is fast for the training "
+        "sequence. Train with PATH@::{}.",
+        ordinal, recognized, step);
+  return fmt::format(
+      "With every {} query frame{}, {} are recognized: the query is slow for the training "
+      "sequence, or the training sequence has too few frames per second.",
+      ordinal, query.sequence.selection.speed.empty() ? fmt::format(" (--speed {})", step) : "",
+      recognized);
 }
 
 }  // namespace
@@ -211,9 +227,12 @@ std::string no_recognition_advice(const Result& result) {
 
 std::string filter_advice(const SequenceDatabase& database, const DescriptorSet& query,
                           const SequenceQuerySettings& settings, const QueryResources& resources,
-                          const Monitor& monitor) {
+                          const Monitor& monitor, const Result* known) {
   constexpr double kSameSpeed = 1.2;  // and its inverse
-  const Result forward = filtered(database, query, settings, resources, monitor);
+  const bool is_known = known != nullptr &&
+                        settings_in_force(settings) == settings_in_force(default_filter(settings));
+  const Result forward =
+      is_known ? *known : filtered(database, query, settings, resources, monitor);
   if (needs_advice(forward)) {
     const size_t keyframes = forward.keyframes ? forward.keyframes->query.size() : 0;
     size_t trained = 0;  // keyframes of the longest training sequence

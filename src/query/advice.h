@@ -24,9 +24,9 @@ std::string no_recognition_advice(const Result& result);
 /// A sentence about a query that needs advice: the number of its frames that default_filter
 /// recognizes, and the speed of its longest path, or the number of frames that walk in the opposite
 /// direction, or with every second or further frame of both sides or of one. The database has
-/// statistics (ensure_statistics).
+/// statistics (ensure_statistics). `known`: the result with `settings`, if there is one.
 std::string filter_advice(const SequenceDatabase& database, const DescriptorSet& query,
                           const SequenceQuerySettings& settings, const QueryResources& resources,
-                          const Monitor& monitor);
+                          const Monitor& monitor, const Result* known = nullptr);
 
 }  // namespace vpr
