@@ -70,12 +70,12 @@ def compare(data, query, recognized):
     for title, frames in recognized.items():
         if len(turns) == len(frames):
             for where, here in (("near turns", True), ("on straight stretches", False)):
-                found[f"{title} per cent {where}"] = per_cent(
+                found[f"{title} percent {where}"] = per_cent(
                     [frame for frame, turn in zip(frames, turns) if turn == here])
         third = len(frames) // 3
         for where, part in (("first", frames[:third]), ("middle", frames[third:-third]),
                             ("last", frames[-third:])):
-            found[f"{title} per cent of the {where} third"] = per_cent(part)
+            found[f"{title} percent of the {where} third"] = per_cent(part)
         lengths = parts(frames)
         found[f"{title} longest part in seconds"] = round(max(lengths, default=0) / fps, 1)
         found[f"{title} mean part in seconds"] = round(

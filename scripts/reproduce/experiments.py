@@ -129,9 +129,9 @@ def run_windows(laboratory, data, row, has_truth):
 def shares(report):
     """Shares of the query's frames with a recognition, and with a correct one if they are judged."""
     found = report["localization"]
-    per_cent = {"recognized per cent": found["recognized_share"]}
+    per_cent = {"recognized percent": found["recognized_share"]}
     if "share" in found:
-        per_cent["localized per cent"] = found["share"]
+        per_cent["localized percent"] = found["share"]
     return {name: round(100 * share, 1) for name, share in per_cent.items()}
 
 
@@ -150,7 +150,7 @@ def run_maps(experiment, laboratory):
             counts = measures(report["counts"])
             found[f"{title} places"] = counts["distinct" if method == "fabmap" else "correct places"]
             found[f"{title} {wrong}"] = counts[wrong]
-            found[f"{title} per cent of path"] = shares(report)["localized per cent"]
+            found[f"{title} percent of path"] = shares(report)["localized percent"]
             recognized[title] = [letter == "r" for letter in report["outcomes"]["recognized"]]
             maps[method] = laboratory.keep_result(f"map-{method}")
         data = laboratory.data(name)

@@ -82,8 +82,8 @@ def check_unlabeled():
     written, messages = run_floor()
     for c_l in (20, 40, 60, 80):
         found = numbers(written, c_l)
-        assert found["correct recognitions"] is None and found["localized per cent"] is None, found
-        assert found["recognitions"] >= found["places in total"] > 0 and found["recognized per cent"] > 0, found
+        assert found["correct recognitions"] is None and found["localized percent"] is None, found
+        assert found["recognitions"] >= found["places in total"] > 0 and found["recognized percent"] > 0, found
         page = folder / f"out/figures/put-mc-floor1-c_l-{c_l}.html"
         assert page.exists() and page.name in messages and f"places-c_l-{c_l}.csv" in messages, messages
         assert list((folder / f"out/figures/put-mc-floor1-c_l-{c_l}").glob("*.svg")), f"c_l {c_l}: no figures"

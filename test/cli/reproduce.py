@@ -273,9 +273,9 @@ def check_along_path():
     query = {"poses": "poses.csv", "place_ground_truth": {"format": "pairs", "path": "truth.csv"}}
     compared = along_path.compare(Data(), query, {
         "A": [i < 3 for i in range(21)], "B": [i in (2, 9, 10) for i in range(21)]})
-    expected = {"A per cent near turns": 0.0, "A per cent on straight stretches": 20.0, "B per cent near turns": 33.3,
-                "B per cent on straight stretches": 6.7, "A longest part in seconds": 1.5, "B mean part in seconds": 0.8,
-                "A per cent of the first third": 42.9, "B per cent of the middle third": 28.6, "places on the path": 3,
+    expected = {"A percent near turns": 0.0, "A percent on straight stretches": 20.0, "B percent near turns": 33.3,
+                "B percent on straight stretches": 6.7, "A longest part in seconds": 1.5, "B mean part in seconds": 0.8,
+                "A percent of the first third": 42.9, "B percent of the middle third": 28.6, "places on the path": 3,
                 "places by both": 1, "places by A only": 0, "places by B only": 1}
     assert {key: compared[key] for key in expected} == expected, compared
 
