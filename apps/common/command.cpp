@@ -166,7 +166,7 @@ struct Inputs {
     if (!truth) return;
     outputs.protect(truth->path);
     GroundTruthOptions options = truth->options;
-    visit_fields(options, [&](const char*, auto& option) {
+    visit_fields(options, [&](const char*, auto& option, const auto&...) {
       if constexpr (std::is_same_v<decltype(option), fs::path&>) outputs.protect(option);
     });
   }

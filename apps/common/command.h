@@ -80,8 +80,8 @@ void add_settings(const Command& command, S& settings, std::span<const SettingRo
                   QueryCommand name) {
   for (const SettingRow& row : rows) {
     if ((row.commands & in(name)) == 0) continue;
-    visit_fields(settings, [&](std::string_view key, auto& field) {
-      if constexpr (!requires { visit_fields(field, [](std::string_view, auto&) {}); })
+    visit_fields(settings, [&](std::string_view key, auto& field, const auto&...) {
+      if constexpr (!Settings<std::remove_reference_t<decltype(field)>>)
         if (key == row.key) add_row(command, row, field);
     });
   }
@@ -143,7 +143,7 @@ template <class S>
 std::vector<std::string> given_keys(const Session& session) {
   std::vector<std::string> keys = session.options.config_keys;
   S settings;
-  visit_fields(settings, [&](std::string_view key, auto&) {
+  visit_fields(settings, [&](std::string_view key, auto&, const auto&...) {
     if (session.command.is_given(flag_of(key))) keys.emplace_back(key);
   });
   return keys;

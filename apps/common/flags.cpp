@@ -22,8 +22,8 @@ GroundTruthArgument with_flags(GroundTruthArgument argument, const GroundTruthFl
   if (!flags.format.empty()) argument.format = flags.format;
   GroundTruthOptions& options = argument.options;
   GroundTruthOptions given = flags.options;
-  visit_fields(options, [&](std::string_view name, auto& field) {
-    visit_fields(given, [&](std::string_view other, auto& flag) {
+  visit_fields(options, [&](std::string_view name, auto& field, const auto&...) {
+    visit_fields(given, [&](std::string_view other, auto& flag, const auto&...) {
       if constexpr (std::is_same_v<decltype(field), decltype(flag)>)
         if (name == other && flag != std::decay_t<decltype(flag)>{}) field = flag;
     });

@@ -188,6 +188,11 @@ struct PairList {
 PairList pair_list(const Session& session, const EvalFlags& flags, const ScoreMatrix* matrix,
                    const ScoreLayout& layout, const Result* result);
 
+/// Schemas for docs/schemas: of configuration files, check and convert.
+Json eval_config_schema();
+Json check_schema();
+Json conversion_schema();
+
 /// The subcommands, except matrix.
 void add_loops(Program& program);
 void add_check(Program& program);

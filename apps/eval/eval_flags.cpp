@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/json_schema.h"
 #include "base/text.h"
 #include "common/flags.h"
 #include "eval.h"
@@ -15,9 +16,11 @@ namespace vpr {
 /// The keys of a configuration file.
 template <class Visitor>
 void visit_fields(EvalFlags& flags, Visitor&& visit) {
-  visit("tolerance", flags.truth.flags.tolerance_frames);
-  visit("format", flags.format);
+  visit("tolerance", flags.truth.flags.tolerance_frames, "Tolerance, in frames.", at_least(0));
+  visit("format", flags.format, "Form of tables.");
 }
+
+Json eval_config_schema() { return schema_of<EvalFlags>(SchemaForm::partial); }
 
 namespace {
 

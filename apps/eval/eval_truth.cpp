@@ -5,7 +5,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/json_schema.h"
 #include "base/text.h"
 #include "database/imported.h"
 #include "eval.h"
@@ -124,19 +124,69 @@ std::vector<CheckRow> rows_of(const InspectedGroundTruth& found,
            summary.one_sided, &summary.one_sided_examples}};
 }
 
+/// "count" and "examples" of a finding.
+struct CountedPairs {
+  uint64_t count = 0;
+  std::vector<std::string> examples;
+};
+VPR_FIELDS(CountedPairs, (count, "How many."), (examples, "At most 5 of them."))
+
+/// What vpr-eval check finds.
+struct CheckFile {
+  std::string format, protocol;
+  std::vector<CheckRow> rows;
+  Provenance provenance;
+};
+
+template <class Visitor>
+void visit_part(const std::vector<CheckRow>& rows, std::string_view part, Visitor&& visit) {
+  for (const CheckRow& row : rows) {
+    if (row.part != part) continue;
+    if (row.examples == nullptr)
+      visit(row.key, Derived{row.count.value_or(0)}, row.meaning);
+    else if (row.count)
+      visit(row.key, Derived{CountedPairs{*row.count, *row.examples}}, row.meaning);
+    else
+      visit(row.key, Derived{std::optional<CountedPairs>()}, row.meaning);
+  }
+}
+
+template <class Visitor>
+void visit_fields(CheckFile& file, Visitor&& visit) {
+  visit("schema", Derived{schema_name("ground-truth-check")});
+  visit("format", file.format, "Format that was read.");
+  visit("protocol", file.protocol, "Definition, in words.");
+  const auto visit_rows = [&](const char* part, std::string_view text) {
+    visit(part, NestedObject{[&](auto&& inner) { visit_part(file.rows, part, inner); }}, text);
+  };
+  visit_rows("frames", "Frames that the ground truth is about.");
+  visit_rows("pairs", "Pairs of a query frame and a training frame.");
+  visit_rows("findings",
+             "Suspicious pairs; null for one_sided unless there are as many query frames as "
+             "training frames.");
+  visit("provenance", file.provenance, kProvenanceText);
+}
+
+/// What vpr-eval convert --json prints.
+struct Conversion {
+  std::string from, to;
+  uint64_t query_frames = 0, same = 0, ignored = 0;
+};
+
+template <class Visitor>
+void visit_fields(Conversion& conversion, Visitor&& visit) {
+  visit("schema", Derived{schema_name("conversion")});
+  visit("from", conversion.from, "Format that was read.");
+  visit("to", conversion.to, "Format that was written.");
+  visit("query_frames", conversion.query_frames, "Query frames.");
+  visit("same", conversion.same, "Pairs of the same place, tolerance applied.");
+  visit("ignored", conversion.ignored, "Pairs to ignore.");
+}
+
 Json check_json(const InspectedGroundTruth& found, const std::vector<CheckRow>& rows,
                 const RunInfo& run) {
-  Json json = {{"schema", schema_name("ground-truth-check")},
-               {"format", found.format},
-               {"protocol", found.truth.protocol}};
-  for (const CheckRow& row : rows) {
-    Json& value = json[row.part][row.key];
-    if (row.count && row.examples != nullptr)
-      value = {{"count", *row.count}, {"examples", *row.examples}};
-    else
-      value = or_null(row.count);
-  }
-  json["provenance"] = provenance_json(run);
+  CheckFile file{found.format, found.truth.protocol, rows, provenance_of(run)};
+  Json json = value_to_json(file, kDataForm);
   json["machine"] = machine_json(run);
   return json;
 }
@@ -193,19 +243,26 @@ void run_convert(Session& session, const TruthInputs& inputs) {
     warn(session.monitor, "{} labeled ignore become different, since {} has no such label",
          counted(summary.ignored, "pair"), target.name);
   target.write(found, session.outputs.file(options.output), session.monitor);
-  session.print_result(fmt::format("{} ({}) to {} ({}): {}, {} of the same place, {} ignored\n",
-                                   inputs.ground_truth, found.format, options.output, target.name,
-                                   counted(summary.query_frames, "query frame"),
-                                   counted(summary.same, "pair"), summary.ignored),
-                       {{"schema", schema_name("conversion")},
-                        {"from", found.format},
-                        {"to", target.name},
-                        {"query_frames", summary.query_frames},
-                        {"same", summary.same},
-                        {"ignored", summary.ignored}});
+  session.print_result(
+      fmt::format("{} ({}) to {} ({}): {}, {} of the same place, {} ignored\n", inputs.ground_truth,
+                  found.format, options.output, target.name,
+                  counted(summary.query_frames, "query frame"), counted(summary.same, "pair"),
+                  summary.ignored),
+      value_to_json(Conversion{found.format, std::string(target.name), summary.query_frames,
+                               summary.same, summary.ignored},
+                    kDataForm));
 }
 
 }  // namespace
+
+Json check_schema() {
+  const InspectedGroundTruth found;
+  const GroundTruthSummary summary;
+  CheckFile file{{}, {}, rows_of(found, summary), {}};
+  return with_run(field_schema(file, SchemaForm::data), false);
+}
+
+Json conversion_schema() { return schema_of<Conversion>(); }
 
 void add_check(Program& program) {
   const auto inputs = std::make_shared<TruthInputs>();

@@ -66,9 +66,10 @@ template <class Own, class Other>
 void refuse_keys_of(const Session& session, DatabaseFamily family) {
   std::vector<std::string> own;
   Own own_settings;
-  visit_fields(own_settings, [&](const char* key, auto&) { own.emplace_back(key); });
+  visit_fields(own_settings,
+               [&](const char* key, auto&, const auto&...) { own.emplace_back(key); });
   Other others;
-  visit_fields(others, [&](const char* key, auto&) {
+  visit_fields(others, [&](const char* key, auto&, const auto&...) {
     if (std::ranges::count(own, key) > 0) return;
     refuse_other(session.command.is_given(flag_of(key)), flag_of(key), family);
     if (std::ranges::count(session.options.config_keys, key) > 0)

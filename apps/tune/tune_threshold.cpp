@@ -18,7 +18,7 @@ struct ThresholdCommand {
   TableFormat format = TableFormat::text;
 };
 
-VPR_FIELDS(ThresholdCommand, safety_factor)
+VPR_FIELDS(ThresholdCommand, (safety_factor))
 
 // Replaces the thresholds of the database for the same window lengths.
 void store_thresholds(const Session& session, const std::string& path, SequenceDatabase& database,

@@ -1,9 +1,13 @@
 // Conversion between JSON text, structs and JSON values.
 //
 // A struct S is described once, by a function that argument-dependent lookup finds:
-//   template <class Visitor> void visit_fields(S& s, Visitor&& v) { v("c_l", s.window_length); }
-// It provides the JSON object, checked reading, and the hint with the nearest key. A JsonForm says
-// what differs between settings that people write and data in our own files.
+//   template <class Visitor> void visit_fields(S& s, Visitor&& v) {
+//     v("c_l", s.window_length, "Window length in frames.", at_least(1));
+//   }
+// It provides the JSON object, checked reading, the hint with the nearest key, and the schema
+// (base/json_schema.h), which has the description and the bounds. Settings with flags may have
+// their description in a SettingRow instead. A JsonForm says what differs between settings that
+// people write and data in our own files.
 #pragma once
 
 #include <array>
@@ -72,7 +76,7 @@ inline constexpr bool kIsMap<nlohmann::ordered_map<Key, T>> = true;
 /// A visitor that accepts any field; it distinguishes structs with fields from other types.
 struct AnyVisitor {
   template <class T>
-  void operator()(const char*, T&) const {}
+  void operator()(std::string_view, T&, const auto&...) const {}
 };
 
 /// "one of a, b".
@@ -162,7 +166,8 @@ template <class T>
 Json value_to_json(const T& value, const JsonForm& form = kSettingsForm) {
   if constexpr (Settings<T>) {
     Json json = Json::object();
-    visit_fields(const_cast<T&>(value), [&](std::string_view name, auto&& field) {  // not changed
+    // The value is not changed.
+    visit_fields(const_cast<T&>(value), [&](std::string_view name, auto&& field, const auto&...) {
       const std::string key(name);
       if constexpr (HasOwnFormat<decltype(field)>)
         field.write(json, key, form);
@@ -262,7 +267,7 @@ void detail::read_struct(const Json& json, T& value, const JsonSource& source,
                          const std::string& key) {
   const Fields fields(json, source, key);
   std::vector<std::string> known;
-  visit_fields(value, [&](std::string_view name, auto&& field) {
+  visit_fields(value, [&](std::string_view name, auto&& field, const auto&...) {
     const std::string& inner = known.emplace_back(name);
     if constexpr (HasOwnFormat<decltype(field)>)
       field.read(fields, inner);

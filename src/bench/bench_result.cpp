@@ -7,9 +7,10 @@
 #include <sched.h>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/json_schema.h"
 #include "base/statistics.h"
 #include "base/stopwatch.h"
+#include "bench/benches.h"
 
 namespace vpr {
 namespace {
@@ -26,41 +27,38 @@ size_t proc_bytes(const char* path, const std::string& name) {
   return 0;
 }
 
-/// Numbers as an object with their names as keys.
-auto numbers_field(NamedNumbers& numbers) {
-  return CustomField{[&](Json& json, const std::string& key) { json[key] = numbers_json(numbers); },
-                     [&](const Fields& fields, const std::string& key) {
-                       const Fields object = fields.object(key);
-                       for (const auto& item : object.json().items()) {
-                         double value = 0;
-                         object.read(item.key(), value);
-                         numbers.emplace_back(item.key(), value);
-                       }
-                     }};
-}
-
 }  // namespace
 
-VPR_FIELDS(TimeSummary, median_ms, lower_quartile_ms, upper_quartile_ms, least_ms, most_ms,
-           repetitions)
+VPR_FIELDS(TimeSummary, (median_ms, "Median, in milliseconds.", at_least(0)),
+           (lower_quartile_ms, "Lower quartile, in milliseconds.", at_least(0)),
+           (upper_quartile_ms, "Upper quartile, in milliseconds.", at_least(0)),
+           (least_ms, "Shortest, in milliseconds.", at_least(0)),
+           (most_ms, "Longest, in milliseconds.", at_least(0)),
+           (repetitions, "Times measured.", at_least(1)))
 
 template <class Visitor>
 void visit_fields(BenchRow& row, Visitor&& visit) {
-  visit("work", row.work);
-  visit("parameters", numbers_field(row.parameters));
-  visit("per", row.per);
+  visit("work", row.work, "A method, feature or step.");
+  visit("parameters", numbers_field(row.parameters), "Numbers that name the row.",
+        kAs<NumbersByName>);
+  visit("per", row.per, "Unit of work of one time: query frame, tree.");
   visit_fields(row.time, visit);
-  visit("values", numbers_field(row.values));
-  visit("note", row.note);
+  visit("values", numbers_field(row.values), "Other measurements: fps, recall, peak_mib.",
+        kAs<NumbersByName>);
+  visit("note", row.note, "Remark, as in 12 rows sampled; may be empty.");
 }
 
 template <class Visitor>
 void visit_fields(BenchResult& result, Visitor&& visit) {
   visit("schema", Derived{schema_name("bench")});
-  visit("bench", result.bench);
-  visit("settings", Derived{result.settings});
-  visit("rows", result.rows);
-  visit("left_out", result.left_out);
+  visit("bench", result.bench, "Benchmark.");
+  visit("settings", Derived{result.settings},
+        "Settings that can change the numbers; keys are the names of flags.",
+        kAs<InForce<MatchingBenchSettings>, InForce<DescribeBenchSettings>,
+            InForce<FabmapBenchSettings>, InForce<RealtimeBenchSettings>,
+            InForce<TrainingBenchSettings>>);
+  visit("rows", result.rows, "Measurements.");
+  visit("left_out", result.left_out, "Omitted measurements, with the reason.");
 }
 
 TimeSummary summarize(std::vector<double> times_ms) {
@@ -148,17 +146,17 @@ std::vector<Series> time_series(const BenchResult& result, const std::vector<std
   return all;
 }
 
-Json numbers_json(const NamedNumbers& numbers) {
-  Json json = Json::object();
-  for (const auto& [name, value] : numbers) json[name] = value;
-  return json;
-}
-
 Json bench_json(const BenchResult& result, const RunInfo& run) {
   Json json = value_to_json(result, kDataForm);
   json["provenance"] = provenance_json(run);
   json["machine"] = machine_json(run);
   return json;
+}
+
+Json bench_schema() {
+  SchemaVisitor visit{SchemaForm::data, schema_of<BenchResult>()};
+  visit("provenance", Provenance(), kProvenanceText);
+  return with_run(visit.object, false);
 }
 
 BenchResult read_bench(const std::filesystem::path& path) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -104,11 +105,30 @@ const BenchRow* find_row(const BenchResult& result, const std::string& work,
 std::vector<Series> time_series(const BenchResult& result, const std::vector<std::string>& works,
                                 const std::string& x, const NamedNumbers& fixed);
 
-/// An object with the names as keys.
-Json numbers_json(const NamedNumbers& numbers);
+/// Numbers as an object with their names as keys.
+inline auto numbers_field(NamedNumbers& numbers) {
+  return CustomField{[&](Json& json, const std::string& key) {
+                       json[key] = Json::object();
+                       for (const auto& [name, value] : numbers) json[key][name] = value;
+                     },
+                     [&](const Fields& fields, const std::string& key) {
+                       const Fields object = fields.object(key);
+                       for (const auto& item : object.json().items()) {
+                         double value = 0;
+                         object.read(item.key(), value);
+                         numbers.emplace_back(item.key(), value);
+                       }
+                     }};
+}
+/// As which the schema describes it.
+using NumbersByName = std::map<std::string, double>;
 
 /// Settings, rows, omitted measurements, provenance and machine.
 Json bench_json(const BenchResult& result, const RunInfo& run);
+
+/// The schemas of bench_json and of comparison_json, for docs/schemas.
+Json bench_schema();
+Json bench_comparison_schema();
 
 /// A stored benchmark, without its settings. Throws Error(input) if the file cannot be read,
 /// Error(data) if it is not a benchmark or is damaged.

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/json_schema.h"
 #include "bench/bench_result.h"
 
 namespace vpr {
@@ -224,21 +224,48 @@ Table comparison_table(const BenchComparison& comparison, double factor) {
   return table;
 }
 
+namespace {
+
+/// The file of a comparison.
+struct ComparisonFile {
+  BenchComparison& comparison;
+  double factor = 0;
+};
+
+template <class Visitor>
+void visit_fields(ComparisonFile& file, Visitor&& visit) {
+  visit("schema", Derived{schema_name("bench-comparison")});
+  visit("factor", file.factor, "Allowed ratio of medians (--factor).");
+  visit("rows",
+        NestedList{file.comparison.ratios,
+                   [&](BenchRatio& row, auto&& inner) {
+                     inner("work", row.work, "Name of the work.");
+                     inner("parameters", numbers_field(row.parameters),
+                           "Numbers that name the row.", kAs<NumbersByName>);
+                     inner("old_ms", row.old_ms, "Median of the old run.", at_least(0));
+                     inner("new_ms", row.new_ms, "Median of the new run.", at_least(0));
+                     inner("ratio", row.ratio, "New median / old median.", at_least(0));
+                     inner("low", row.low, "New lower quartile / old upper one.", at_least(0));
+                     inner("high", row.high, "New upper quartile / old lower one.", at_least(0));
+                     inner("slower", Derived{is_slower(row, file.factor)},
+                           "Ratio is above factor, and the quartiles agree.");
+                   }},
+        "Times that both runs have, in the order of the old run.");
+  visit("only_in_one", file.comparison.only_in_one, "Rows that only one run has.");
+  visit("slower", Derived{count_slower(file.comparison, file.factor)}, "Slower rows.");
+}
+
+}  // namespace
+
 Json comparison_json(const BenchComparison& comparison, double factor) {
-  Json json = {{"schema", schema_name("bench-comparison")}, {"factor", factor}};
-  json["rows"] = Json::array();
-  for (const BenchRatio& row : comparison.ratios)
-    json["rows"].push_back({{"work", row.work},
-                            {"parameters", numbers_json(row.parameters)},
-                            {"old_ms", row.old_ms},
-                            {"new_ms", row.new_ms},
-                            {"ratio", row.ratio},
-                            {"low", row.low},
-                            {"high", row.high},
-                            {"slower", is_slower(row, factor)}});
-  json["only_in_one"] = comparison.only_in_one;
-  json["slower"] = count_slower(comparison, factor);
-  return json;
+  BenchComparison visited = comparison;
+  return value_to_json(ComparisonFile{visited, factor}, kDataForm);
+}
+
+Json bench_comparison_schema() {
+  BenchComparison comparison;
+  ComparisonFile file{comparison};
+  return field_schema(file, SchemaForm::data);
 }
 
 size_t count_slower(const BenchComparison& comparison, double factor) {

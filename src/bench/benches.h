@@ -51,17 +51,20 @@ struct MatchingBenchSettings {
 
 template <class Visitor>
 void visit_fields(MatchingBenchSettings& settings, Visitor&& visit) {
-  visit("methods", settings.methods);
-  visit("databases", settings.databases);
-  visit("c_l", settings.window_lengths);
-  visit("query_frames", settings.query_frames);
-  visit("clustered_recognitions", settings.clustered_recognitions);
-  visit("seconds", settings.seconds);
-  visit("changed_bits", settings.changed_bits);
-  visit("descriptor_length", settings.descriptor_length);
-  visit("precision", settings.precision);
-  visit("ring_bytes", settings.ring_bytes);
-  visit("lsh", settings.lsh);
+  visit("methods", settings.methods, "Methods to time, as listed by vpr-bench matching --help.");
+  visit("databases", settings.databases, "Database sizes, in frames.");
+  visit("c_l", settings.window_lengths, "Window lengths.");
+  visit("query_frames", settings.query_frames, "Query lengths, in frames.");
+  visit("clustered_recognitions", settings.clustered_recognitions,
+        "Recognitions to cluster; 0: none.");
+  visit("seconds", settings.seconds, "Least time of a measurement.", above(0));
+  visit("changed_bits", settings.changed_bits, "Changed bits per frame.");
+  visit("descriptor_length", settings.descriptor_length,
+        "Dimensions of generated vectors that replace LDB codes; 0: LDB codes.");
+  visit("precision", settings.precision, "Bits per value: 8 or 16.");
+  visit("ring_bytes", settings.ring_bytes,
+        "Bytes of the ring of window distances; a larger database is searched without it.");
+  visit("lsh", settings.lsh, "Settings of method lsh.");
 }
 
 /// Codes of a recording, used instead of generated ones.
@@ -87,7 +90,9 @@ struct DescribeBenchSettings {
   FeatureSettings feature_settings;
 };
 
-VPR_FIELDS(DescribeBenchSettings, feature_kinds, frames, seconds, feature_settings)
+VPR_FIELDS(DescribeBenchSettings, (feature_kinds, "Local features to time."),
+           (frames, "Frames to describe."), (seconds, "Least time of a measurement.", above(0)),
+           (feature_settings, "Feature settings."))
 
 /// `images`: a folder or list of images; without it, generated 640x480 JPEG files in memory.
 BenchResult bench_describe(const DescribeBenchSettings& settings,
@@ -108,8 +113,14 @@ struct FabmapBenchSettings {
   double frame_ms = 0;                ///< time of a frame's features, included in frames per second
 };
 
-VPR_FIELDS(FabmapBenchSettings, variants, places, words, words_per_frame, pretrain_frames,
-           descriptors, iterations, seconds, slow_limit, frame_ms)
+VPR_FIELDS(FabmapBenchSettings, (variants, "Variants to time."), (places, "Numbers of places."),
+           (words, "Vocabulary sizes."), (words_per_frame, "Mean number of words per frame."),
+           (pretrain_frames, "Frames of the tree."),
+           (descriptors, "Descriptors that k-means clusters; 0: none."),
+           (iterations, "Largest number of k-means steps."),
+           (seconds, "Least time of a measurement.", above(0)),
+           (slow_limit, "Largest product of places and words at which slow variants are timed."),
+           (frame_ms, "Time of a frame's features, included in frames per second, in ms."))
 
 /// Words are drawn uniformly. Before a variant is timed, its results are compared with the
 /// reference implementation on a hundred places. Also times the new place, the normalization of the
@@ -124,7 +135,9 @@ struct TrainingBenchSettings {
   uint64_t precision = 16;  ///< bits per value of these vectors: 16 or 8
 };
 
-VPR_FIELDS(TrainingBenchSettings, databases, descriptor_length, precision)
+VPR_FIELDS(TrainingBenchSettings, (databases, "Database sizes, in frames."),
+           (descriptor_length, "Dimensions of generated vectors."),
+           (precision, "Bits per value: 8 or 16."))
 
 /// Times what training computes of descriptors, once per database: statistics, exclusion radii,
 /// overlapping sequences and passes. Databases are one generated walk without repetition. The rows
@@ -143,11 +156,11 @@ struct RealtimeBenchSettings {
 
 template <class Visitor>
 void visit_fields(RealtimeBenchSettings& settings, Visitor&& visit) {
-  visit("method", settings.method);
-  visit("score", settings.score);
-  visit("rate", settings.rate_hz);
-  visit("frames", settings.frames);
-  visit("c_l", settings.window_length);
+  visit("method", settings.method, "Matching method.");
+  visit("score", settings.score, "Summands of window scores.");
+  visit("rate", settings.rate_hz, "Frame rate of the query.");
+  visit("frames", settings.frames, "Frames of the query at most.");
+  visit("c_l", settings.window_length, "Window length in frames.");
 }
 
 /// Times the steps of vpr-query live, which accepts matches by margin: decode and describe a frame,

@@ -6,6 +6,7 @@
 
 #include "base/checksum.h"
 #include "base/error.h"
+#include "base/json_schema.h"
 #include "base/mapped_file.h"
 
 namespace vpr {
@@ -55,13 +56,20 @@ void ArchiveWriter::add(const std::string& name, std::string_view start,
   ChecksumStream sum;
   sum.add(std::as_bytes(std::span(start)));
   sum.add(rest);
-  files_[name] = {{"bytes", start.size() + rest.size()}, {"checksum", sum.text()}};
+  files_[name] = {start.size() + rest.size(), sum.text()};
   if (folder_ != nullptr)
     write_part(folder_->temporary() / name, {std::as_bytes(std::span(start)), rest});
 }
 
+Json with_files(Json schema) {
+  SchemaVisitor visit{SchemaForm::data, std::move(schema)};
+  visit("files", std::map<std::string, ArchiveFile>(), "The other files of the folder, by name.");
+  visit("checksum", std::string(), "Checksum of the text before this key.", kIsChecksum);
+  return visit.object;
+}
+
 std::string ArchiveWriter::finish(Json manifest) {
-  manifest["files"] = files_;
+  manifest["files"] = value_to_json(files_, kDataForm);
   const std::string text = sealed_manifest(manifest);
   if (folder_ != nullptr) write_part(folder_->temporary() / kManifestName, text);
   return parse_json(text)->at("checksum").get<std::string>();

@@ -27,6 +27,16 @@ bool is_database_folder(const std::filesystem::path& folder);
 /// The text of a manifest, with the checksum of the preceding text as its last key.
 std::string sealed_manifest(const Json& manifest);
 
+/// A file of a database folder, in its manifest.
+struct ArchiveFile {
+  uint64_t bytes = 0;
+  std::string checksum;
+};
+VPR_FIELDS(ArchiveFile, (bytes, "Size in bytes."), (checksum, "Checksum of the file.", kIsChecksum))
+
+/// The schema of a manifest with the keys that ArchiveWriter::finish adds.
+Json with_files(Json schema);
+
 /// Writes files into an output, then the manifest. Without a folder, it only computes checksums.
 class ArchiveWriter {
  public:
@@ -47,7 +57,7 @@ class ArchiveWriter {
   void add(const std::string& name, std::string_view start, std::span<const std::byte> rest);
 
   Output* folder_;
-  Json files_ = Json::object();
+  nlohmann::ordered_map<std::string, ArchiveFile> files_;
 };
 
 /// An opened folder with an intact manifest. Throws Error(input) if it is missing; Error(data) with

@@ -20,7 +20,9 @@ struct DescriptorSettings {
   bool illumination_invariant = false;  ///< decode in color and remove the color of the light first
   double unit = 0;  ///< of coordinates; set by the database (DescriptorStore), not by the user
 };
-VPR_FIELDS(DescriptorSettings, illumination_invariant)
+VPR_FIELDS(DescriptorSettings,
+           (illumination_invariant,
+            "Convert colors to an illumination-invariant image before description."))
 
 struct DescriptorSet;
 

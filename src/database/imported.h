@@ -79,7 +79,7 @@ struct ImportSettings {
   DescriptorMetric metric = DescriptorMetric::cosine;
   uint64_t value_bits = 16;  ///< or 8
 };
-VPR_FIELDS(ImportSettings, metric, value_bits)
+VPR_FIELDS(ImportSettings, (metric), (value_bits))
 
 /// The kind of imported descriptors: bits, or vectors with these settings. Throws Error(usage) for
 /// another number of bits, and for settings without effect.

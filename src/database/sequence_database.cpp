@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/json_schema.h"
 #include "base/mapped_file.h"
 #include "base/provenance.h"
 #include "base/text.h"
@@ -21,14 +22,67 @@ template <class Visitor>
 void visit_fields(TrainSequence& train, Visitor&& visit) {
   Sequence& sequence = train.sequence;
   visit_sequence(sequence, visit, [&] {
-    visit("unreadable", sequence.unreadable);
-    visit("typical_distance", IfSet{train.typical_distance});
-    visit("exclusion_radius", IfSet{train.exclusion_radius});
-    visit("size", IfSet{sequence.size});
+    visit("unreadable", sequence.unreadable, kUnreadableText);
+    visit("typical_distance", IfSet{train.typical_distance},
+          "Mean distance of frames of the sequence that are not neighbors.", at_least(0));
+    visit("exclusion_radius", IfSet{train.exclusion_radius},
+          "Frames after which the sequence shows another place: the default exclusion radius of "
+          "margins.",
+          at_least(1));
+    visit("size", IfSet{sequence.size}, "Width and height of the first readable frame, in pixels.");
   });
 }
 
+/// The statistics without the values of frames.
+template <class Visitor>
+void visit_fields(TrainStatistics& statistics, Visitor&& visit) {
+  visit_fields(statistics.settings, visit);
+  visit("typical_distance", statistics.typical_distance, "Mean distance of training frames.",
+        at_least(0));
+  visit("code_distance", IfSet{statistics.code_distance},
+        "The same for LDB codes alone, with the descriptor ldb+hog.", at_least(0));
+}
+
 namespace {
+
+/// manifest.json without the keys that ArchiveWriter::finish adds.
+struct Manifest {
+  SequenceDatabase& database;
+  std::string descriptor;
+  std::optional<uint64_t> length;
+  std::optional<double> unit;
+  std::optional<std::vector<std::array<size_t, 2>>> overlapping_sequences;
+  std::optional<std::vector<std::array<uint32_t, 2>>> repeated_places;
+};
+
+template <class Visitor>
+void visit_fields(Manifest& manifest, Visitor&& visit) {
+  SequenceDatabase& database = manifest.database;
+  visit("schema", Derived{schema_name("database")});
+  visit("method", Derived{enum_name(DatabaseFamily::sequences)}, "fastable or fabmap.");
+  visit("descriptor", manifest.descriptor, "Descriptor of the frames.");
+  visit("length", IfSet{manifest.length}, "Dimensions of vectors, or bits.", at_least(1));
+  visit("unit", IfSet{manifest.unit}, "Value of the coordinate 1, for points and directions.",
+        above(0));
+  visit("settings", database.descriptor, "Description settings.");
+  visit("sequences", database.sequences,
+        "Training sequences, in the order of their codes; of sequence methods.");
+  visit("thresholds", database.thresholds,
+        "Sources of automatic thresholds, one entry per window length; sequence methods only.");
+  visit("overlapping_sequences", IfSet{manifest.overlapping_sequences},
+        "Pairs of training sequences that show the same place, by index, the smaller first. "
+        "Neither is a runner-up of the other in margins.");
+  visit("repeated_places", IfSet{manifest.repeated_places},
+        "Training frames of places that the training sequences passed before, each with the frame "
+        "of the first pass; counted over all sequences.");
+  visit("statistics", IfSet{database.statistics},
+        "Start of z-scores: distances of training frames from the rest of the training data.");
+  visit("provenance", NestedObject{[](auto&& inner) {
+          visit_origin(inner, Derived{std::string("vpr-train")}, Derived{program_version()},
+                       Derived{program_commit()});
+        }},
+        "Program that the file depends on.");
+}
 
 constexpr uint64_t kMaxImageSide = uint64_t{1} << 20;  // pixels, as OpenCV decodes
 constexpr const char* kCodesFile = "codes.npy";
@@ -205,33 +259,28 @@ std::string write_content(const SequenceDatabase& database, ArchiveWriter writer
       values.insert(values.end(), {statistics->bias[i], statistics->variance[i]});
     writer.add_array(kStatisticsFile, std::span<const float>(values), {rows.size(), 2});
   }
-  Json manifest = {{"schema", schema_name("database")},
-                   {"method", enum_name(DatabaseFamily::sequences)},
-                   {"descriptor", database.descriptors.kind->name}};
-  if (database.descriptors.kind->is_imported) manifest["length"] = rows.shape.length;
-  if (rows.shape.element == ElementType::points16) manifest["unit"] = database.descriptors.unit;
-  manifest["settings"] = value_to_json(database.descriptor);
-  manifest["sequences"] = value_to_json(database.sequences, kDataForm);
-  manifest["thresholds"] = value_to_json(database.thresholds, kDataForm);
+  Manifest manifest{const_cast<SequenceDatabase&>(database),  // visited, not changed
+                    std::string(database.descriptors.kind->name), {}, {}, {}, {}};
+  if (database.descriptors.kind->is_imported) manifest.length = rows.shape.length;
+  if (rows.shape.element == ElementType::points16) manifest.unit = database.descriptors.unit;
   if (database.overlapping_sequences)
-    manifest["overlapping_sequences"] = *database.overlapping_sequences;
-  if (database.repeated_places) {
-    manifest["repeated_places"] = Json::array();
-    for (const RepeatedPlace& place : *database.repeated_places)
-      manifest["repeated_places"].push_back({place.frame, place.first_pass});
-  }
-  if (database.statistics) {
-    manifest["statistics"] = value_to_json(database.statistics->settings);
-    manifest["statistics"]["typical_distance"] = database.statistics->typical_distance;
-    if (const auto& distance = database.statistics->code_distance)
-      manifest["statistics"]["code_distance"] = *distance;
-  }
-  manifest["provenance"] = {
-      {"program", "vpr-train"}, {"version", program_version()}, {"commit", program_commit()}};
-  return writer.finish(manifest);
+    for (auto& pairs = manifest.overlapping_sequences.emplace();
+         const auto& [a, b] : *database.overlapping_sequences)
+      pairs.push_back({a, b});
+  if (database.repeated_places)
+    for (auto& pairs = manifest.repeated_places.emplace();
+         const RepeatedPlace& place : *database.repeated_places)
+      pairs.push_back({place.frame, place.first_pass});
+  return writer.finish(value_to_json(manifest, kDataForm));
 }
 
 }  // namespace
+
+Json sequence_manifest_schema() {
+  SequenceDatabase database;
+  Manifest manifest{database, {}, {}, {}, {}, {}};
+  return with_files(field_schema(manifest, SchemaForm::data));
+}
 
 SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   const Archive archive(path);

@@ -37,10 +37,10 @@ struct ClosestWindows {
 
 template <class Visitor>
 void visit_fields(ClosestWindows& closest, Visitor&& visit) {
-  visit("distance", closest.score);
-  visit("window", closest.window);
-  visit("other_sequence", closest.other_sequence);
-  visit("other_window", closest.other_window);
+  visit("distance", closest.score, "Sum over the window.");
+  visit("window", closest.window, "First frame, from 0.");
+  visit("other_sequence", closest.other_sequence, "Target, from 0.");
+  visit("other_window", closest.other_window, "First frame, from 0.");
 }
 
 /// The basis of automatic thresholds for one window length. `closest` has one entry per training
@@ -53,9 +53,11 @@ struct ThresholdTable {
 
 template <class Visitor>
 void visit_fields(ThresholdTable& table, Visitor&& visit) {
-  visit("c_l", table.window_length);
-  visit("safety_factor", table.safety_factor);
-  visit("closest", table.closest);
+  visit("c_l", table.window_length, "Window length in frames.");
+  visit("safety_factor", table.safety_factor, "Multiplies the automatic t_r.");
+  visit("closest", table.closest,
+        "For each training sequence, its window that comes closest to another sequence; null where "
+        "there is no such pair.");
 }
 
 /// The content of a database folder: all training data of the sequence methods.
@@ -70,6 +72,9 @@ struct SequenceDatabase {
   std::optional<std::vector<RepeatedPlace>> repeated_places;  ///< increasing; unset: unknown
   std::string fingerprint;  ///< of a stored database; changes with every bit of content
 };
+
+/// The schema of its manifest, for docs/schemas.
+Json sequence_manifest_schema();
 
 /// Verifies every file. Throws Error(input) if a file is missing; Error(data) if it is damaged or
 /// belongs to another method, unknown descriptors or another version.

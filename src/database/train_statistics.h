@@ -58,7 +58,12 @@ struct StatisticsSettings {
   bool operator==(const StatisticsSettings&) const = default;
 };
 
-VPR_FIELDS(StatisticsSettings, neighbor_frames, neighbor_share, samples, seed)
+VPR_FIELDS(StatisticsSettings,
+           (neighbor_frames, "Frames of the same sequence this close are excluded."),
+           (neighbor_share,
+            "Same, as a share of the frames of the sequence; the larger one counts.", within(0, 1)),
+           (samples, "Training frames to compare each frame with.", at_least(1)),
+           (seed, "Seed of their choice."))
 
 /// Distance statistics of each training frame to the rest of the training data: the initial values
 /// of z-scores. One entry per training frame of the database, in the order of its codes.

@@ -69,6 +69,11 @@ constexpr Metric of_path(std::string_view key, JudgedBy needs, ValueOf<Localizat
           .of_path = value};
 }
 
+constexpr Metric described(Metric metric, std::string_view about) {
+  metric.about = about;
+  return metric;
+}
+
 constexpr Metric brief(Metric metric) {
   metric.detail = TableDetail::brief;
   return metric;
@@ -120,16 +125,22 @@ constexpr Metric kMetrics[] = {
      .symbol = "RAR ",
      .meaning = "share of stretches of the path with R@1 of r or more",
      .of_stretches = recall_achievement},
-    of_path("frames", JudgedBy::nothing, &Localization::frames),
-    of_path("recognized", JudgedBy::nothing, &Localization::recognized),
-    of_path("recognized_share", JudgedBy::nothing, &Localization::recognized_share),
-    of_path("frames_with_match", JudgedBy::ground_truth, &Localization::frames_with_match),
+    described(of_path("frames", JudgedBy::nothing, &Localization::frames), "frames of the path"),
+    described(of_path("recognized", JudgedBy::nothing, &Localization::recognized),
+              "frames with a recognition, whatever its label"),
+    described(of_path("recognized_share", JudgedBy::nothing, &Localization::recognized_share),
+              "recognized / frames"),
+    described(
+        of_path("frames_with_match", JudgedBy::ground_truth, &Localization::frames_with_match),
+        "frames of the path with a match in the ground truth"),
     brief(of_path("correct", JudgedBy::places, &Localization::correct, "correct",
                   "frames of the path with a correct recognition", false)),
     brief(of_path("incorrect", JudgedBy::places, &Localization::incorrect, "incorrect",
                   "frames of the path with an incorrect recognition")),
-    brief(of_counts("pairs", JudgedBy::nothing, "pairs", &Counts::recognitions)),
-    of_path("off_map", JudgedBy::ground_truth, &Localization::off_map),
+    brief(described(of_counts("pairs", JudgedBy::nothing, "pairs", &Counts::recognitions),
+                    "accepted pairs, each judged by itself")),
+    described(of_path("off_map", JudgedBy::ground_truth, &Localization::off_map),
+              "incorrect frames without a match in the ground truth"),
     full({.key = "share",
           .symbol = "share",
           .meaning = "share of the frames with a match that are recognized correctly",
@@ -145,19 +156,32 @@ constexpr Metric kMetrics[] = {
                   "frames before the decision on the first correct recognition")),
     of_path("first_recognition_m", JudgedBy::places, &Localization::first_recognition_m, "first m",
             "distance before the decision on the first correct recognition, in meters", true, 2),
-    of_counts("distinct", JudgedBy::places, "distinct", &Counts::distinct),
-    of_counts("pairs_by_cluster", JudgedBy::places, "pairs by place",
-              &Counts::recognitions_by_place),
-    of_counts("clusters", JudgedBy::nothing, "places", &Counts::clusters),
-    of_counts("mixed_clusters", JudgedBy::ground_truth, "of these mixed", &Counts::mixed_clusters),
-    of_best_match("best_match.frames", &BestMatchCounts::frames, "of frames"),
-    of_best_match("best_match.correct", &BestMatchCounts::correct, "best matches correct"),
-    of_best_match("best_match.incorrect", &BestMatchCounts::incorrect),
-    of_best_match("best_match.ignored", &BestMatchCounts::ignored),
-    of_best_match("best_match.no_answer", &BestMatchCounts::no_answer),
-    of_best_match("best_match.without_match", &BestMatchCounts::without_match),
+    described(of_counts("distinct", JudgedBy::places, "distinct", &Counts::distinct),
+              "places recognized correctly at least once"),
+    described(of_counts("pairs_by_cluster", JudgedBy::places, "pairs by place",
+                        &Counts::recognitions_by_place),
+              "accepted pairs by the verdict on their cluster; absent for FAB-MAP"),
+    described(of_counts("clusters", JudgedBy::nothing, "places", &Counts::clusters),
+              "clusters of recognitions"),
+    described(of_counts("mixed_clusters", JudgedBy::ground_truth, "of these mixed",
+                        &Counts::mixed_clusters),
+              "correct places with incorrect recognitions: a place is judged by its mean"),
+    described(of_best_match("best_match.frames", &BestMatchCounts::frames, "of frames"),
+              "query frames with a match in the ground truth"),
+    described(
+        of_best_match("best_match.correct", &BestMatchCounts::correct, "best matches correct"),
+        "frames whose best match is correct"),
+    described(of_best_match("best_match.incorrect", &BestMatchCounts::incorrect),
+              "frames whose best match is incorrect"),
+    described(of_best_match("best_match.ignored", &BestMatchCounts::ignored),
+              "frames whose best match is labeled ignore"),
+    described(of_best_match("best_match.no_answer", &BestMatchCounts::no_answer),
+              "frames with a match in the ground truth, without a best match"),
+    described(of_best_match("best_match.without_match", &BestMatchCounts::without_match),
+              "other frames"),
     {.key = "best_match.rate",
      .symbol = "%",
+     .about = "correct / frames",
      .is_percent = true,
      .digits = 1,
      .of_best_match = &BestMatchCounts::rate}};

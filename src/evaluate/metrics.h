@@ -184,6 +184,7 @@ struct Metric {
   std::string_view key;           ///< in JSON; metrics of ranks append _K in comparisons
   std::string_view symbol;        ///< in tables; K, the target or the verdict follows
   std::string_view meaning = {};  ///< in --help; empty: a count, or in JSON only
+  std::string_view about = {};    ///< in the schema, without a meaning
   std::string_view title = {};    ///< of a table, for metrics of ranks
   bool is_low_good = false;
   bool is_share = false;                    ///< of the frames with a match, for K = 1
@@ -202,6 +203,7 @@ struct Metric {
   std::optional<ValueOf<BestMatchCounts>> of_best_match = {};
   std::optional<ValueOf<Counts>> of_counts = {};
 
+  std::string_view description() const { return meaning.empty() ? about : meaning; }
   bool has_verdicts() const;
   /// Whether a metric of ranks can be computed at K.
   bool is_known_at(const Outcomes& outcomes, size_t k) const;

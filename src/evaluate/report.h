@@ -161,11 +161,9 @@ Report parse_report(const Json& json, const std::string& where);
 /// without a match in the ground truth.
 std::string outcome_letters(const Outcomes& outcomes);
 
-Json curve_numbers_json(const Curve& curve);
-Json curve_json(const Curve& curve);
-
-/// "counts" of a report, and of a cell of a sweep.
-Json counts_json(const Counts& counts);
+/// The schemas of a report and of several, for docs/schemas.
+Json report_schema();
+Json reports_schema();
 
 /// Several reports in one file.
 Json reports_json(std::span<const Report> reports, const RunInfo& run, double seconds);

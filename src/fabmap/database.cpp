@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "base/json.h"
+#include "base/json_schema.h"
 #include "base/provenance.h"
 #include "base/text.h"
 #include "database/archive.h"
@@ -21,14 +22,33 @@ namespace vpr {
 
 template <class Visitor>
 void visit_fields(ViewGroup& group, Visitor&& visit) {
-  visit("name", group.sequence.name);
+  visit("name", group.sequence.name, "Name of the group.");
   const auto write_places = [&](Json& json, const std::string& key) {
     json[key] = group.is_place ? "one" : "each frame";
   };
-  visit("places", CustomField{write_places, [&](const Fields& fields, const std::string& key) {
-                                group.is_place = fields.text(key) == "one";
-                              }});
-  visit_sequence(group.sequence, visit, [&] { visit("unreadable", group.sequence.unreadable); });
+  visit("places",
+        CustomField{write_places,
+                    [&](const Fields& fields, const std::string& key) {
+                      group.is_place = fields.text(key) == "one";
+                    }},
+        "Whether the group is one place or each of its frames is a place.",
+        Matches{"^one$|^each frame$"}, kAs<std::string>);
+  visit_sequence(group.sequence, visit,
+                 [&] { visit("unreadable", group.sequence.unreadable, kUnreadableText); });
+}
+
+template <class Visitor>
+void visit_fields(FabmapDatabase& database, Visitor&& visit) {
+  visit("schema", Derived{schema_name("database")});
+  visit("method", Derived{enum_name(DatabaseFamily::fabmap)}, "fastable or fabmap.");
+  visit("settings", database.settings, "Description settings.");
+  visit("groups", database.groups, "Frames that were trained together.");
+  visit("provenance", NestedObject{[&](auto&& inner) {
+          visit_origin(inner, Derived{std::string("vpr-train")}, Derived{program_version()},
+                       Derived{program_commit()});
+          inner("seed", database.seed, "Seed of random choices.");
+        }},
+        "Program and seed that the file depends on.");
 }
 
 namespace {
@@ -137,10 +157,6 @@ std::string write_content(const FabmapDatabase& database, ArchiveWriter writer) 
   add_list(writer, "index.npy", database.index.lists);
   add_list(writer, "index_offsets.npy", database.index.offsets);
   std::string names;
-  Json manifest = {{"schema", schema_name("database")},
-                   {"method", enum_name(DatabaseFamily::fabmap)}};
-  manifest["settings"] = value_to_json(database.settings);
-  manifest["groups"] = value_to_json(database.groups, kDataForm);
   for (const ViewGroup& group : database.groups) {
     for (std::string name : group.sequence.frame_names) {
       std::replace(name.begin(), name.end(), '\n', ' ');
@@ -148,11 +164,7 @@ std::string write_content(const FabmapDatabase& database, ArchiveWriter writer) 
     }
   }
   writer.add_text("frames.txt", names);
-  manifest["provenance"] = {{"program", "vpr-train"},
-                            {"version", program_version()},
-                            {"commit", program_commit()},
-                            {"seed", database.seed}};
-  return writer.finish(manifest);
+  return writer.finish(value_to_json(database, kDataForm));
 }
 
 }  // namespace
@@ -253,18 +265,45 @@ std::vector<std::string> names_of(const FabmapDatabase& database) {
   return names;
 }
 
+namespace {
+
+/// What vpr-train --json prints.
+struct DatabaseInfo {
+  FabmapTrainSettings settings;
+  size_t words = 0, pretraining_frames = 0, views = 0, featureless_views = 0;
+  std::vector<std::string> places;
+  Provenance provenance;
+};
+
+template <class Visitor>
+void visit_fields(DatabaseInfo& info, Visitor&& visit) {
+  visit("schema", Derived{schema_name("database-info")});
+  visit("method", Derived{enum_name(DatabaseFamily::fabmap)}, "fastable or fabmap.");
+  visit("settings", info.settings,
+        "Settings that can change the numbers; keys are the names of flags.");
+  visit("words", info.words, "Words of the vocabulary.");
+  visit("pretraining_frames", info.pretraining_frames, "Frames of vocabulary.");
+  visit("views", info.views, "Views of all places.");
+  visit("featureless_views", info.featureless_views, "Frames without words.");
+  visit("places", info.places, "Names of the places.");
+  visit("provenance", info.provenance, kProvenanceText);
+}
+
+}  // namespace
+
 Json database_json(const FabmapDatabase& database, const RunInfo& run) {
   const std::vector<size_t> featureless = featureless_frames(database);
-  return {{"schema", schema_name("database-info")},
-          {"method", enum_name(DatabaseFamily::fabmap)},
-          {"settings", value_to_json(database.settings)},
-          {"words", database.tree.words()},
-          {"pretraining_frames", database.pretrain.views()},
-          {"views", database.views.views()},
-          {"featureless_views", std::accumulate(featureless.begin(), featureless.end(), size_t{0})},
-          {"places", database.place_names()},
-          {"provenance", provenance_json(run)}};
+  return value_to_json(
+      DatabaseInfo{database.settings, database.tree.words(), database.pretrain.views(),
+                   database.views.views(),
+                   std::accumulate(featureless.begin(), featureless.end(), size_t{0}),
+                   database.place_names(), provenance_of(run)},
+      kDataForm);
 }
+
+Json fabmap_manifest_schema() { return with_files(schema_of<FabmapDatabase>()); }
+
+Json fabmap_info_schema() { return schema_of<DatabaseInfo>(); }
 
 std::string database_text(const FabmapDatabase& database, const std::string& name) {
   Table table;

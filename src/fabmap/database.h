@@ -39,10 +39,10 @@ struct FabmapTrainSettings {
 template <class Visitor>
 void visit_fields(FabmapTrainSettings& settings, Visitor&& visit) {
   visit_fields(settings.features, visit);
-  visit("clustering", settings.clustering);
-  visit("words", settings.words);
-  visit("iterations", settings.iterations);
-  visit("radius", settings.radius);
+  visit("clustering", settings.clustering, "How words were found.");
+  visit("words", settings.words, "Words of the vocabulary.");
+  visit("iterations", settings.iterations, "Largest number of k-means steps.");
+  visit("radius", settings.radius, "Radius of radius clustering.");
   visit("skip_unreadable", settings.skip_unreadable);
 }
 
@@ -102,6 +102,10 @@ std::string database_fingerprint(const FabmapDatabase& database);
 
 /// The report of vpr-train info (vpr.database-info/3).
 Json database_json(const FabmapDatabase& database, const RunInfo& run);
+
+/// The schemas of manifest.json and of database_json, for docs/schemas.
+Json fabmap_manifest_schema();
+Json fabmap_info_schema();
 
 /// A table of groups.
 std::string database_text(const FabmapDatabase& database, const std::string& name);

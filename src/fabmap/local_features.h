@@ -7,6 +7,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/enum_names.h"
+#include "base/json_fwd.h"
 
 namespace vpr {
 
@@ -31,15 +32,15 @@ struct FeatureSettings {
 
 template <class Visitor>
 void visit_fields(FeatureSettings& settings, Visitor&& visit) {
-  visit("features", settings.kind);
-  visit("surf_points", settings.surf_points);
-  visit("surf_threshold", settings.surf_threshold);
-  visit("sift_features", settings.sift_features);
-  visit("sift_contrast", settings.sift_contrast);
-  visit("kaze_threshold", settings.kaze_threshold);
-  visit("akaze_threshold", settings.akaze_threshold);
-  visit("orb_features", settings.orb_features);
-  visit("brisk_threshold", settings.brisk_threshold);
+  visit("features", settings.kind, "Local features.");
+  visit("surf_points", settings.surf_points, "Most per frame.", at_least(0));
+  visit("surf_threshold", settings.surf_threshold, "Threshold of dlib's SURF detector.");
+  visit("sift_features", settings.sift_features, "Most per frame.", at_least(0));
+  visit("sift_contrast", settings.sift_contrast, "Contrast threshold of SIFT.");
+  visit("kaze_threshold", settings.kaze_threshold, "Detector threshold of KAZE.");
+  visit("akaze_threshold", settings.akaze_threshold, "Detector threshold of AKAZE.");
+  visit("orb_features", settings.orb_features, "Most per frame.", at_least(0));
+  visit("brisk_threshold", settings.brisk_threshold, "Detector threshold.", at_least(0));
 }
 
 /// Checks the settings of every kind. Throws Error(usage) for a value out of range.

@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "base/json.h"
+#include "base/json_schema.h"
 #include "base/statistics.h"
 #include "base/text.h"
 #include "evaluate/metrics.h"
-#include "evaluate/report.h"
+#include "evaluate/report_fields.h"
 #include "present/evaluation_charts.h"
 #include "present/evaluation_text.h"
 #include "present/html_page.h"
@@ -20,6 +20,9 @@
 #include "truth/times.h"
 
 namespace vpr {
+
+VPR_FIELDS(Revisit, (first, "Its first frame."), (last, "Its last frame."))
+
 namespace {
 
 std::optional<double> precision(const LoopJudgment& judgment) {
@@ -35,46 +38,152 @@ std::string share_text(std::optional<double> share) {
   return share ? fmt::format("{:.4f}", *share) : "-";
 }
 
-Json seconds(int64_t nanoseconds) { return static_cast<double>(nanoseconds) / double{kSecond}; }
+double seconds(int64_t nanoseconds) { return static_cast<double>(nanoseconds) / double{kSecond}; }
 
 std::string gap_words(const LoopGap& gap) {
   return gap.nanoseconds ? fmt::format("{} s", time_text(*gap.nanoseconds))
                          : counted(gap.frames, "frame");
 }
 
-Json protocol_json(const LoopsEvaluation& evaluation) {
+/// Definition of a loop, in words and numbers.
+struct LoopProtocol {
+  double radius_m = 0;
+  std::optional<double> gap_s;
+  std::optional<size_t> gap_frames;
+  std::string loop, frames, revisits;
+  std::optional<double> angle_deg, ignore_radius_m;
+  std::optional<ScoreOrder> score_order;
+  std::optional<std::string> curve;
+};
+
+template <class Visitor>
+void visit_fields(LoopProtocol& protocol, Visitor&& visit) {
+  visit("radius_m", protocol.radius_m, "Largest distance of a loop.", at_least(0));
+  visit("gap_s", protocol.gap_s,
+        "Seconds between the two frames of a loop at least; null: in frames.", above(0));
+  visit("gap_frames", protocol.gap_frames,
+        "Frames between the two frames of a loop at least; null: in seconds.", at_least(1));
+  visit("loop", protocol.loop, "Definition of verdicts.");
+  visit("frames", protocol.frames, "Definition of recall and precision.");
+  visit("revisits", protocol.revisits, "Definition of a revisit.");
+  visit("angle_deg", IfSet{protocol.angle_deg},
+        "Largest difference of headings of a loop; absent: any.", at_least(0));
+  visit("ignore_radius_m", IfSet{protocol.ignore_radius_m},
+        "Loops beyond radius_m, up to this distance, are ignored.", at_least(0));
+  visit("score_order", IfSet{protocol.score_order}, "Direction of the scores.");
+  visit("curve", IfSet{protocol.curve}, "Definition of the curve.");
+}
+
+LoopProtocol protocol_of(const LoopsEvaluation& evaluation) {
   const LoopRules& rules = evaluation.rules;
-  Json protocol = {
-      {"radius_m", rules.nearness.radius_m},
-      {"gap_s", rules.gap.nanoseconds ? seconds(*rules.gap.nanoseconds) : Json()},
-      {"gap_frames", rules.gap.nanoseconds ? Json() : Json(rules.gap.frames)},
-      {"loop",
-       fmt::format("a loop is correct if its two positions are within {} m, and one is at least {} "
-                   "before the other; closer in time it is omitted, neither correct nor incorrect",
-                   rules.nearness.radius_m, gap_words(rules.gap))},
-      {"frames",
-       "a frame has a loop if an earlier frame, by at least the gap, shows the same place; recall "
-       "is the share of "
-       "these frames of which a correct loop is listed, and precision the share of correct loops"},
-      {"revisits", "consecutive frames with a loop are one revisit, found by one correct loop"}};
-  if (rules.nearness.angle_deg) protocol["angle_deg"] = *rules.nearness.angle_deg;
-  if (rules.nearness.ignore_radius_m) protocol["ignore_radius_m"] = *rules.nearness.ignore_radius_m;
+  LoopProtocol protocol;
+  protocol.radius_m = rules.nearness.radius_m;
+  if (rules.gap.nanoseconds)
+    protocol.gap_s = seconds(*rules.gap.nanoseconds);
+  else
+    protocol.gap_frames = rules.gap.frames;
+  protocol.loop = fmt::format(
+      "a loop is correct if its two positions are within {} m, and one is at least {} "
+      "before the other; closer in time it is omitted, neither correct nor incorrect",
+      rules.nearness.radius_m, gap_words(rules.gap));
+  protocol.frames =
+      "a frame has a loop if an earlier frame, by at least the gap, shows the same place; recall "
+      "is the share of "
+      "these frames of which a correct loop is listed, and precision the share of correct loops";
+  protocol.revisits = "consecutive frames with a loop are one revisit, found by one correct loop";
+  protocol.angle_deg = rules.nearness.angle_deg;
+  protocol.ignore_radius_m = rules.nearness.ignore_radius_m;
   if (evaluation.judgment.curve) {
-    protocol["score_order"] = enum_name(rules.order);
-    protocol["curve"] =
+    protocol.score_order = rules.order;
+    protocol.curve =
         "a threshold accepts the best loop of each frame if it scores at least as well; equal "
         "scores are accepted together; of equals the best is the first that is listed";
   }
   return protocol;
 }
 
-Json trajectory_json(const Trajectory& trajectory) {
+struct TrajectoryCounts {
+  size_t frames = 0, poses = 0;
+  std::optional<double> duration_s;
+};
+VPR_FIELDS(TrajectoryCounts, (frames, "Its frames."), (poses, "Those with a pose."),
+           (duration_s, "From first to last time."))
+
+struct LoopCounts {
+  uint64_t listed = 0, repeated = 0, too_near = 0, ignored = 0, correct = 0, incorrect = 0;
+  std::optional<double> precision;
+};
+VPR_FIELDS(LoopCounts, (listed, "Lines of the list."), (repeated, "Repeated pairs."),
+           (too_near, "Excluded by the gap."), (ignored, "Up to the ignore radius."),
+           (correct, "Within the radius."), (incorrect, "Farther apart."),
+           (precision, "correct / (correct + incorrect).", within(0, 1)))
+
+struct FramesWithLoop {
+  uint64_t with_loop = 0, found = 0;
+  std::optional<double> recall;
+  std::optional<Revisit> longest_missed;
+};
+VPR_FIELDS(FramesWithLoop, (with_loop, "Frames with a loop."),
+           (found, "Those with a correct loop."), (recall, "found / with_loop.", within(0, 1)),
+           (longest_missed,
+            "The longest stretch of consecutive frames with a loop of which none is found; null "
+            "where all are."))
+
+struct RevisitCounts {
+  uint64_t count = 0, found = 0;
+  std::vector<Revisit> missed;
+};
+VPR_FIELDS(RevisitCounts, (count, "How many."), (found, "Those with a correct loop."),
+           (missed, "The others."))
+
+struct IncorrectLoop {
+  size_t line = 0, query = 0, match = 0;
+  std::optional<double> distance_m, score;
+};
+
+template <class Visitor>
+void visit_fields(IncorrectLoop& loop, Visitor&& visit) {
+  visit("line", loop.line, "Line in the file, from 1.");
+  visit("query", loop.query, "The later frame.");
+  visit("match", loop.match, "The earlier frame.");
+  visit("distance_m", loop.distance_m, "Distance, in meters; null: on another floor.", at_least(0));
+  visit("score", IfSet{loop.score}, "Its score; absent where the list has none.");
+}
+
+struct LoopsFile {
+  std::string name;
+  LoopProtocol protocol;
+  TrajectoryCounts trajectory;
+  LoopCounts loops;
+  FramesWithLoop frames;
+  RevisitCounts revisits;
+  std::vector<IncorrectLoop> incorrect_loops;
+  std::optional<CurveNumbers> metrics;
+  std::optional<ReportedCurve> curve;
+  Provenance provenance;
+};
+
+template <class Visitor>
+void visit_fields(LoopsFile& file, Visitor&& visit) {
+  visit("schema", Derived{schema_name("loops")});
+  visit("name", file.name, "Name of the list (--name; default: its file).");
+  visit("protocol", file.protocol, "Definition of a loop, in words and numbers.");
+  visit("trajectory", file.trajectory, "The trajectory.");
+  visit("loops", file.loops, "The loops of the list.");
+  visit("frames", file.frames, "The frames of the trajectory.");
+  visit("revisits", file.revisits, "Stretches of consecutive frames with a loop.");
+  visit("incorrect_loops", file.incorrect_loops, "Every incorrect loop, in the order of the list.");
+  visit("metrics", file.metrics, "Metrics of the curve; null without scores.");
+  visit("curve", file.curve, "The curve, at most 100 points; null without scores.");
+  visit("provenance", file.provenance, kProvenanceText);
+}
+
+TrajectoryCounts counts_of(const Trajectory& trajectory) {
   const auto known = std::ranges::count_if(trajectory.poses, &std::optional<Pose>::has_value);
-  return {{"frames", trajectory.poses.size()},
-          {"poses", known},
-          {"duration_s", trajectory.times_ns.empty()
-                             ? Json()
-                             : seconds(trajectory.times_ns.back() - trajectory.times_ns.front())}};
+  TrajectoryCounts counts{trajectory.poses.size(), static_cast<size_t>(known), {}};
+  if (!trajectory.times_ns.empty())
+    counts.duration_s = seconds(trajectory.times_ns.back() - trajectory.times_ns.front());
+  return counts;
 }
 
 std::vector<JudgedLoop> incorrect_loops(const LoopJudgment& judgment) {
@@ -85,29 +194,11 @@ std::vector<JudgedLoop> incorrect_loops(const LoopJudgment& judgment) {
   return wrong;
 }
 
-Json incorrect_loops_json(const LoopJudgment& judgment) {
-  Json wrong = Json::array();
-  for (const JudgedLoop& judged : incorrect_loops(judgment)) {
-    Json row = {
-        {"line", judged.loop.line},
-        {"query", judged.loop.query},
-        {"match", judged.loop.match},
-        {"distance_m", std::isfinite(judged.distance_m) ? Json(judged.distance_m) : Json()}};
-    if (judged.loop.score) row["score"] = *judged.loop.score;
-    wrong.push_back(row);
-  }
-  return wrong;
-}
-
 std::vector<Revisit> missed_revisits(const LoopJudgment& judgment) {
   std::vector<Revisit> missed;
   std::ranges::copy_if(judgment.revisits, std::back_inserter(missed),
                        [](const Revisit& revisit) { return !revisit.is_found; });
   return missed;
-}
-
-Json revisit_json(const Revisit& revisit) {
-  return {{"first", revisit.first}, {"last", revisit.last}};
 }
 
 size_t longest_missed_frames(const LoopJudgment& judgment) {
@@ -212,42 +303,42 @@ std::string loops_sentence(const LoopsEvaluation& evaluation) {
 
 Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run) {
   const LoopJudgment& judgment = evaluation.judgment;
-  const auto longest = judgment.longest_missed();
-  Json json = {{"schema", schema_name("loops")}, {"name", evaluation.name}};
-  json["protocol"] = protocol_json(evaluation);
-  json["trajectory"] = trajectory_json(evaluation.trajectory);
-  json["loops"] = {{"listed", evaluation.list.loops.size()},
-                   {"repeated", judgment.repeated},
-                   {"too_near", judgment.too_near()},
-                   {"ignored", judgment.count(PlaceLabel::ignore) - judgment.too_near()},
-                   {"correct", judgment.count(PlaceLabel::same)},
-                   {"incorrect", judgment.count(PlaceLabel::different)},
-                   {"precision", or_null(precision(judgment))}};
-  json["frames"] = {{"with_loop", judgment.frames_with_loop()},
-                    {"found", judgment.frames_found()},
-                    {"recall", or_null(recall(judgment))},
-                    {"longest_missed", longest ? revisit_json(*longest) : Json()}};
-  json["revisits"] = {{"count", judgment.revisits.size()},
-                      {"found", judgment.revisits_found()},
-                      {"missed", Json::array()}};
-  for (const Revisit& revisit : missed_revisits(judgment))
-    json["revisits"]["missed"].push_back(revisit_json(revisit));
-  json["incorrect_loops"] = incorrect_loops_json(judgment);
-  json["metrics"] = judgment.curve ? curve_numbers_json(*judgment.curve) : Json();
-  json["curve"] = judgment.curve ? curve_json(*judgment.curve) : Json();
-  json["provenance"] = provenance_json(run);
-  return json;
+  LoopsFile file;
+  file.name = evaluation.name;
+  file.protocol = protocol_of(evaluation);
+  file.trajectory = counts_of(evaluation.trajectory);
+  file.loops = {evaluation.list.loops.size(),
+                judgment.repeated,
+                judgment.too_near(),
+                judgment.count(PlaceLabel::ignore) - judgment.too_near(),
+                judgment.count(PlaceLabel::same),
+                judgment.count(PlaceLabel::different),
+                precision(judgment)};
+  file.frames = {judgment.frames_with_loop(), judgment.frames_found(), recall(judgment),
+                 judgment.longest_missed()};
+  file.revisits = {judgment.revisits.size(), judgment.revisits_found(), missed_revisits(judgment)};
+  for (const auto& [loop, distance_m, label, is_too_near] : incorrect_loops(judgment)) {
+    file.incorrect_loops.push_back({loop.line, loop.query, loop.match, {}, loop.score});
+    if (std::isfinite(distance_m)) file.incorrect_loops.back().distance_m = distance_m;
+  }
+  if (judgment.curve) file.metrics = numbers_of(*judgment.curve);
+  if (judgment.curve) file.curve = reported_curve(*judgment.curve);
+  file.provenance = provenance_of(run);
+  return value_to_json(file, kDataForm);
 }
+
+Json loops_schema() { return with_run(schema_of<LoopsFile>()); }
 
 Table loops_table(const LoopsEvaluation& evaluation) {
   const LoopJudgment& judgment = evaluation.judgment;
   const LoopGap& gap = evaluation.rules.gap;
   const Nearness& nearness = evaluation.rules.nearness;
   Table table;
-  table.title = fmt::format(
-      "{} (within {} m{}, {} apart)", evaluation.name, Json(nearness.radius_m).dump(),
-      nearness.angle_deg ? fmt::format(" and {:g} degrees", *nearness.angle_deg) : "",
-      gap.nanoseconds ? seconds(*gap.nanoseconds).dump() + " s" : counted(gap.frames, "frame"));
+  table.title =
+      fmt::format("{} (within {} m{}, {} apart)", evaluation.name, Json(nearness.radius_m).dump(),
+                  nearness.angle_deg ? fmt::format(" and {:g} degrees", *nearness.angle_deg) : "",
+                  gap.nanoseconds ? Json(seconds(*gap.nanoseconds)).dump() + " s"
+                                  : counted(gap.frames, "frame"));
   add_column(table, "listed", evaluation.list.loops.size());
   add_column(table, "correct", judgment.count(PlaceLabel::same));
   add_column(table, "incorrect", judgment.count(PlaceLabel::different));
@@ -318,7 +409,7 @@ void draw_loops(const LoopsEvaluation& evaluation, const std::filesystem::path& 
 }
 
 std::string loops_page(const LoopsEvaluation& evaluation, const RunInfo& run) {
-  const Json protocol = protocol_json(evaluation);
+  const Json protocol = value_to_json(protocol_of(evaluation), kDataForm);
   Json made = provenance_json(run);
   made["command_line"] = run.command_line;
   const std::string mistakes = loops_mistakes(evaluation);

@@ -23,6 +23,9 @@ struct LoopsEvaluation {
 /// The report without "machine" and "timing".
 Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run);
 
+/// The schema of the whole file, for docs/schemas.
+Json loops_schema();
+
 /// The sentence, the mean values and the first mistakes in at most 12 lines of 80 columns.
 std::string loops_text(const LoopsEvaluation& evaluation);
 

@@ -85,7 +85,9 @@ struct LshSettings {
   uint64_t probe_level = 2;  ///< number of differing bits up to which keys are probed as well
 };
 
-VPR_FIELDS(LshSettings, tables, key_bits, probe_level)
+VPR_FIELDS(LshSettings, (tables, "Number of hash tables."),
+           (key_bits, "Bits of a hash key; 0: 3 more than log2 of the windows of a sequence."),
+           (probe_level, "Keys that differ in up to this many bits are searched."))
 
 /// Settings of the method `filter`.
 struct FilterSettings {
@@ -102,7 +104,18 @@ struct FilterSettings {
   uint64_t path_keyframes = 16;
 };
 
-VPR_FIELDS(FilterSettings, start_weight, keyframe_change, near_keyframes, path_keyframes)
+VPR_FIELDS(FilterSettings,
+           (start_weight, "Weight of the training data in z-scores, in keyframes; 20 for windows.",
+            at_least(0)),
+           (keyframe_change,
+            "A frame that differs from the last keyframe by this share of the typical distance is "
+            "a keyframe; up to a third more at high frame rates."),
+           (near_keyframes,
+            "Keyframes around the best match that are not compared with it; up to half more at "
+            "high frame rates."),
+           (path_keyframes,
+            "Keyframes of a recognized path. It recognizes frames that are half to one and a half "
+            "times as many keyframes old, and at its beginning up to four times."))
 
 /// Throws Error(usage) for settings out of range.
 void check_filter(const FilterSettings& settings);

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/json.h"
+#include "base/json_schema.h"
 #include "base/text.h"
-#include "evaluate/report.h"
+#include "evaluate/report_fields.h"
 #include "present/evaluation_text.h"
 #include "present/report_tables.h"
 #include "present/summary.h"
@@ -31,13 +31,6 @@ std::string recording_protocol(const Report& report) {
 }
 
 using Value = std::optional<double>;
-
-constexpr std::array<std::string_view, 3> kPathKeys = {"share", "incorrect", "longest_gap_frames"};
-
-Json number_json(const Metric& metric, Value value) {
-  if (value && metric.digits == 0) return static_cast<uint64_t>(*value);
-  return or_null(value);
-}
 
 // "filter" of filter.report.json.
 std::string method_name(const fs::path& path) {
@@ -104,28 +97,135 @@ void name_rows(ComparisonReport& comparison) {
   for (size_t r = 0; r < names.size(); ++r) comparison.reports[r].row_name = names[r];
 }
 
-Json named_report_json(const ComparisonReport& comparison, size_t r) {
+/// Over the frames with a match.
+struct ComparedPath {
+  std::optional<double> share;
+  std::optional<uint64_t> incorrect, longest_gap_frames;
+};
+VPR_FIELDS(ComparedPath, (share, "Share of frames recognized correctly."),
+           (incorrect, "Frames recognized incorrectly."),
+           (longest_gap_frames, "Longest run of frames without a correct recognition."))
+
+struct ComparedReport {
+  std::string name, method, ground_truth;
+  uint64_t frames = 0;
+  bool paired = true;
+  ComparedPath localization;
+  bool oracle = false;
+  Confidence confidence = {};
+  std::string fingerprint;
+  std::optional<LabelCounts> pairs;
+  std::optional<std::string> selection;
+  std::string ground_truth_fingerprint;
+};
+
+template <class Visitor>
+void visit_fields(ComparedReport& report, Visitor&& visit) {
+  visit("name", report.name, "Name of the report.");
+  visit("method", report.method, "Method of the report.");
+  visit("ground_truth", report.ground_truth, "Its protocol, in words.");
+  visit("frames", report.frames, "Frames with a match that its numbers are over.");
+  visit("paired", report.paired,
+        "Whether its queries are those of the first report, frame by frame.");
+  visit("localization", report.localization, "Over the frames with a match.");
+  visit("oracle", report.oracle,
+        "Whether the threshold of its recognitions was chosen from the ground truth.");
+  visit("confidence", report.confidence,
+        "Acceptance of best matches in AP, R@100P, max F1 and curves.");
+  visit("fingerprint", report.fingerprint, "Checksum of the judged result or matrix.", kIsChecksum);
+  visit("pairs", IfSet{report.pairs}, "Accepted pairs of a result, over all of its frames.");
+  visit("selection", IfSet{report.selection},
+        "Selection of the query (--fps, --speed), in words; absent: all frames.");
+  visit("ground_truth_fingerprint", report.ground_truth_fingerprint,
+        "Checksum of the labels of all pairs, tolerance applied.", kIsChecksum);
+}
+
+struct ComparedFrames {
+  size_t compared = 0, with_match = 0, disputed = 0;
+  bool only_common = false;
+};
+VPR_FIELDS(ComparedFrames, (compared, "All frames of the query, or those of --common."),
+           (with_match, "Those with a match."),
+           (disputed, "Omitted frames that only some ground truths have a match for."),
+           (only_common,
+            "Only frames for which every paired report has a best match that is not ignored."))
+
+struct BootstrapSettings {
+  size_t block = 0, resamples = 0;
+  double confidence = 0.95;
+};
+VPR_FIELDS(BootstrapSettings, (block, "Frames per block."), (resamples, "Number of resamples."),
+           (confidence, "Confidence of the intervals."))
+
+struct ComparedMetric {
+  std::string metric, report;
+  Value value, difference, low, high, own_low, own_high;
+  bool best = false;
+};
+VPR_FIELDS(ComparedMetric, (metric, "Key: recall_at_1, average_precision, ..."),
+           (report, "Name of the report."), (value, "Over the compared frames."),
+           (difference, "To the first report."),
+           (low, "Lower end of the 95 % interval of the difference."),
+           (high, "Upper end of the 95 % interval of the difference."),
+           (own_low, "Lower end of the 95 % interval of the value; null if it is not paired."),
+           (own_high, "Upper end of the 95 % interval of the value."),
+           (best, "Better than every other paired report: no interval of a difference contains 0."))
+
+struct ComparisonFile {
+  std::string query;
+  std::vector<ComparedReport> reports;
+  GroundTruths ground_truths = GroundTruths::same;
+  ComparedFrames frames;
+  BootstrapSettings bootstrap;
+  std::vector<ComparedMetric> metrics;
+  nlohmann::ordered_map<std::string, std::string> protocol;
+  Provenance provenance;
+};
+
+template <class Visitor>
+void visit_fields(ComparisonFile& file, Visitor&& visit) {
+  visit("schema", Derived{schema_name("comparison")});
+  visit("query", file.query, "Name of the query, of the first report.");
+  visit("reports", file.reports, "Compared reports; the others are compared with the first.");
+  visit("ground_truths", file.ground_truths, "Whether the reports have one ground truth.");
+  visit("frames", file.frames, "Query frames that the comparison is over.");
+  visit("bootstrap", file.bootstrap, "Computation of intervals.");
+  visit("metrics", file.metrics, "One entry for each metric and report.");
+  visit("protocol", file.protocol, "Definition of the comparison, in words.");
+  visit("provenance", file.provenance, kProvenanceText);
+}
+
+/// A comparison in a file of several.
+struct NamedComparison {
+  std::string data_set;
+  Json comparison;
+};
+VPR_FIELDS(NamedComparison, (data_set, "Its name: of --data-set, or of the query."),
+           (comparison, "The comparison on it, without machine and timing."))
+
+ComparedReport compared_report(const ComparisonReport& comparison, size_t r) {
   const Report& report = comparison.reports[r];
-  Json json = {{"name", report.row_name},
-               {"method", report.method},
-               {"ground_truth", report.protocol.ground_truth},
-               {"frames", report.counts.best_match.frames},
-               {"paired", comparison.is_paired(r)},
-               {"localization", Json::object()},
-               {"oracle", report.frames.is_oracle},
-               {"confidence", enum_name(report.frames.outcomes.confidence)},
-               {"fingerprint", report.provenance.evaluated()}};
-  if (report.query_settings() != nullptr) {
-    const LabelCounts& pairs = report.counts.recognitions;
-    json["pairs"] = {
-        {"correct", pairs.correct}, {"incorrect", pairs.incorrect}, {"ignored", pairs.ignored}};
-  }
-  for (const std::string_view key : kPathKeys)
-    json["localization"][std::string(key)] =
-        number_json(find_metric(key), value_of(report, metric_at(key)));
-  if (!report.selection_words().empty()) json["selection"] = report.selection_words();
-  json["ground_truth_fingerprint"] = report.provenance.ground_truth;
-  return json;
+  const auto count = [&](std::string_view key) -> std::optional<uint64_t> {
+    const Value value = value_of(report, metric_at(key));
+    if (!value) return std::nullopt;
+    return static_cast<uint64_t>(*value);
+  };
+  ComparedReport compared{
+      report.row_name,
+      report.method,
+      report.protocol.ground_truth,
+      report.counts.best_match.frames,
+      comparison.is_paired(r),
+      {value_of(report, metric_at("share")), count("incorrect"), count("longest_gap_frames")},
+      report.frames.is_oracle,
+      report.frames.outcomes.confidence,
+      report.provenance.evaluated(),
+      {},
+      {},
+      report.provenance.ground_truth};
+  if (report.query_settings() != nullptr) compared.pairs = report.counts.recognitions;
+  if (!report.selection_words().empty()) compared.selection = report.selection_words();
+  return compared;
 }
 
 // A row per paired method after the first: its differences in the main metrics, with intervals.
@@ -233,33 +333,22 @@ void compare_reports(ComparisonReport& comparison, const Monitor& monitor) {
 
 Json comparison_json(const ComparisonReport& comparison) {
   const Comparison& found = comparison.found;
-  Json json = {{"schema", schema_name("comparison")},
-               {"query", comparison.query()},
-               {"reports", Json::array()}};
+  ComparisonFile file;
+  file.query = comparison.query();
   for (size_t r = 0; r < comparison.reports.size(); ++r)
-    json["reports"].push_back(named_report_json(comparison, r));
-  json["ground_truths"] = enum_name(compare_ground_truths(comparison.reports));
-  json["frames"] = {{"compared", found.frames.size()},
-                    {"with_match", found.with_match},
-                    {"disputed", found.disputed},
-                    {"only_common", comparison.settings.only_common}};
-  json["bootstrap"] = {
-      {"block", found.block}, {"resamples", comparison.settings.resamples}, {"confidence", 0.95}};
-  json["metrics"] = Json::array();
+    file.reports.push_back(compared_report(comparison, r));
+  file.ground_truths = compare_ground_truths(comparison.reports);
+  file.frames = {found.frames.size(), found.with_match, found.disputed,
+                 comparison.settings.only_common};
+  file.bootstrap = {found.block, comparison.settings.resamples, 0.95};
   for (const ComparedValue& value : found.values) {
     const auto [low, high] = ends_of(value.interval);
     const auto [own_low, own_high] = ends_of(value.own);
-    json["metrics"].push_back({{"metric", value.metric.key()},
-                               {"report", comparison.reports[value.method].row_name},
-                               {"value", or_null(value.value)},
-                               {"difference", or_null(value.difference)},
-                               {"low", or_null(low)},
-                               {"high", or_null(high)},
-                               {"own_low", or_null(own_low)},
-                               {"own_high", or_null(own_high)},
-                               {"best", value.is_best}});
+    file.metrics.push_back({value.metric.key(), comparison.reports[value.method].row_name,
+                            value.value, value.difference, low, high, own_low, own_high,
+                            value.is_best});
   }
-  json["protocol"] = {
+  file.protocol = {
       {"frames",
        comparison.settings.only_common
            ? "query frames for which every paired report has a best match that is not ignored"
@@ -283,18 +372,31 @@ Json comparison_json(const ComparisonReport& comparison) {
            ? "set by the user"
            : "from the autocorrelation of correct best matches (Politis and White 2004), the "
              "largest of the paired reports"}};
-  json["provenance"] = value_to_json(comparison.made_by);
-  return json;
+  file.provenance = comparison.made_by;
+  return value_to_json(file, kDataForm);
 }
 
 Json comparisons_json(std::span<const ComparisonReport> comparisons) {
   if (comparisons.size() == 1) return comparison_json(comparisons.front());
-  Json json = {{"schema", schema_name("comparisons")}, {"comparisons", Json::array()}};
+  Json json = {{"schema", schema_name("comparisons")}};
+  std::vector<NamedComparison> all;
   for (const ComparisonReport& comparison : comparisons)
-    json["comparisons"].push_back(
-        {{"data_set", comparison.data_set}, {"comparison", comparison_json(comparison)}});
+    all.push_back({comparison.data_set, comparison_json(comparison)});
+  json["comparisons"] = value_to_json(all, kDataForm);
   json["provenance"] = value_to_json(comparisons.front().made_by);
   return json;
+}
+
+Json comparison_schema() { return with_run(schema_of<ComparisonFile>()); }
+
+Json comparisons_schema() {
+  SchemaVisitor visit{SchemaForm::data};
+  visit("comparisons", std::vector<NamedComparison>(),
+        "One per data set, in the order of their first reports.");
+  visit("provenance", Provenance(), kProvenanceText);
+  visit.object["properties"]["comparisons"]["items"]["properties"]["comparison"].update(
+      with_kind("comparison", schema_of<ComparisonFile>()));
+  return with_run(visit.object);
 }
 
 SideBySide side_by_side(const ComparisonReport& comparison) {

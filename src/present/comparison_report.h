@@ -64,6 +64,10 @@ Json comparison_json(const ComparisonReport& comparison);
 /// The comparison of one data set, or the list of several.
 Json comparisons_json(std::span<const ComparisonReport> comparisons);
 
+/// The schemas of both, with "machine" and "timing", for docs/schemas.
+Json comparison_schema();
+Json comparisons_schema();
+
 /// The reports side by side. If frames are omitted, numbers that are known for the whole query only
 /// are absent.
 SideBySide side_by_side(const ComparisonReport& comparison);

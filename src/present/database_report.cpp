@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "base/json_schema.h"
 #include "base/text.h"
 #include "database/archive.h"
 #include "present/table.h"
@@ -46,6 +47,88 @@ struct Line {
   std::string closest_frames;
 };
 
+/// An automatic threshold at one window length.
+struct AutomaticThreshold {
+  size_t window_length = 0;
+  std::optional<double> bits;
+};
+
+template <class Visitor>
+void visit_fields(AutomaticThreshold& threshold, Visitor&& visit) {
+  visit("c_l", threshold.window_length, "Window length in frames.");
+  visit("bits", threshold.bits, "Automatic t_r in bits per frame, safety factor applied.");
+}
+
+struct SequenceInfo {
+  Sequence sequence;
+  std::vector<AutomaticThreshold> thresholds;
+};
+
+template <class Visitor>
+void visit_fields(SequenceInfo& info, Visitor&& visit) {
+  visit_sequence(info.sequence, visit, [&] {
+    visit("unreadable", Derived{info.sequence.unreadable.size()}, "Undecodable frames.");
+  });
+  visit("t_r", info.thresholds,
+        "Automatic thresholds, one for each window length that was trained for.");
+}
+
+/// What vpr-train --json prints.
+struct DatabaseInfo {
+  std::string descriptor;
+  std::optional<size_t> length;
+  DescriptorSettings settings;
+  std::vector<SequenceInfo> sequences;
+  Provenance provenance;
+};
+
+template <class Visitor>
+void visit_fields(DatabaseInfo& info, Visitor&& visit) {
+  visit("schema", Derived{schema_name("database-info")});
+  visit("method", Derived{enum_name(DatabaseFamily::sequences)}, "fastable or fabmap.");
+  visit("descriptor", info.descriptor, "Descriptor of the frames.");
+  visit("length", IfSet{info.length}, "Dimensions of vectors, or bits.", at_least(1));
+  visit("settings", info.settings,
+        "Settings that can change the numbers; keys are the names of flags.");
+  visit("sequences", info.sequences, "Training sequences in the order of the database.");
+  visit("provenance", info.provenance, kProvenanceText);
+}
+
+struct ThresholdEntry {
+  std::string sequence;
+  size_t window_length = 0;
+  std::optional<double> threshold;
+  std::optional<ThresholdScale> scale;
+  std::optional<uint32_t> distance;
+  std::optional<std::string> own_frames, closest_frames;
+};
+
+template <class Visitor>
+void visit_fields(ThresholdEntry& entry, Visitor&& visit) {
+  visit("sequence", entry.sequence, "Name of the training sequence.");
+  visit("c_l", entry.window_length, "Window length in frames.");
+  visit("t_r", entry.threshold, "Automatic threshold.");
+  visit("t_r_scale", IfSet{entry.scale}, "Scale of t_r.");
+  visit("distance", IfSet{entry.distance},
+        "Summed distance of the closest window of another sequence.");
+  visit("own_frames", IfSet{entry.own_frames}, "Window: sequence, first, last frame.");
+  visit("closest_frames", IfSet{entry.closest_frames}, "Window: sequence, first, last frame.");
+}
+
+struct ThresholdsFile {
+  double safety_factor = 0;
+  std::vector<ThresholdEntry> thresholds;
+  Provenance provenance;
+};
+
+template <class Visitor>
+void visit_fields(ThresholdsFile& file, Visitor&& visit) {
+  visit("schema", Derived{schema_name("thresholds")});
+  visit("safety_factor", file.safety_factor, "Factor of the closest distance.");
+  visit("thresholds", file.thresholds, "One entry for each training sequence and window length.");
+  visit("provenance", file.provenance, kProvenanceText);
+}
+
 std::vector<Line> lines_of(std::span<const TrainSequence> sequences,
                            const std::vector<ThresholdTable>& thresholds) {
   std::vector<Line> lines;
@@ -66,31 +149,22 @@ std::vector<Line> lines_of(std::span<const TrainSequence> sequences,
 }  // namespace
 
 Json database_json(const SequenceDatabase& database, const RunInfo& run) {
-  Json json = {{"schema", schema_name("database-info")},
-               {"method", enum_name(DatabaseFamily::sequences)},
-               {"descriptor", database.descriptors.kind->name}};
-  if (database.descriptors.kind->is_imported) json["length"] = database.descriptors.length;
-  json["settings"] = value_to_json(database.descriptor);
-  json["sequences"] = Json::array();
+  DatabaseInfo info{std::string(database.descriptors.kind->name),
+                    {},
+                    database.descriptor,
+                    {},
+                    provenance_of(run)};
+  if (database.descriptors.kind->is_imported) info.length = database.descriptors.length;
   for (size_t s = 0; s < database.sequences.size(); ++s) {
-    Sequence sequence = database.sequences[s].sequence;
-    Json item = value_to_json(NestedObject{[&](auto&& visit) {
-                                visit_sequence(sequence, visit, [&] {
-                                  visit("unreadable", Derived{sequence.unreadable.size()});
-                                });
-                              }},
-                              kDataForm);
-    item["t_r"] = Json::array();
-    for (const ThresholdTable& table : database.thresholds) {
-      const std::optional<double> threshold = automatic_threshold(table, s);
-      item["t_r"].push_back(
-          {{"c_l", table.window_length}, {"bits", threshold ? Json(*threshold) : Json()}});
-    }
-    json["sequences"].push_back(item);
+    SequenceInfo& item = info.sequences.emplace_back();
+    item.sequence = database.sequences[s].sequence;
+    for (const ThresholdTable& table : database.thresholds)
+      item.thresholds.push_back({table.window_length, automatic_threshold(table, s)});
   }
-  json["provenance"] = provenance_json(run);
-  return json;
+  return value_to_json(info, kDataForm);
 }
+
+Json sequence_info_schema() { return schema_of<DatabaseInfo>(); }
 
 std::string database_text(const SequenceDatabase& database, const std::string& name) {
   Table table;
@@ -118,22 +192,20 @@ std::string database_text(const SequenceDatabase& database, const std::string& n
 Json thresholds_json(std::span<const TrainSequence> sequences,
                      const std::vector<ThresholdTable>& thresholds, double safety_factor,
                      const RunInfo& run) {
-  Json json = {{"schema", schema_name("thresholds")}, {"safety_factor", safety_factor}};
-  json["thresholds"] = Json::array();
+  ThresholdsFile file{safety_factor, {}, provenance_of(run)};
   for (const Line& line : lines_of(sequences, thresholds)) {
-    Json item = {{"sequence", line.sequence.name}, {"c_l", line.window_length}, {"t_r", nullptr}};
-    if (line.threshold) {
-      item["t_r"] = *line.threshold;
-      item["t_r_scale"] = enum_name(ThresholdScale::bits);
-      item["distance"] = line.closest->score;
-      item["own_frames"] = line.own_frames;
-      item["closest_frames"] = line.closest_frames;
-    }
-    json["thresholds"].push_back(item);
+    ThresholdEntry& entry = file.thresholds.emplace_back();
+    entry = {line.sequence.name, line.window_length, line.threshold, {}, {}, {}, {}};
+    if (!line.threshold) continue;
+    entry.scale = ThresholdScale::bits;
+    entry.distance = line.closest->score;
+    entry.own_frames = line.own_frames;
+    entry.closest_frames = line.closest_frames;
   }
-  json["provenance"] = provenance_json(run);
-  return json;
+  return value_to_json(file, kDataForm);
 }
+
+Json thresholds_schema() { return schema_of<ThresholdsFile>(); }
 
 Table thresholds_table(std::span<const TrainSequence> sequences,
                        const std::vector<ThresholdTable>& thresholds, double safety_factor,

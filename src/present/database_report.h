@@ -23,6 +23,10 @@ Json thresholds_json(std::span<const TrainSequence> sequences,
                      const std::vector<ThresholdTable>& thresholds, double safety_factor,
                      const RunInfo& run);
 
+/// The schemas of database_json and thresholds_json, for docs/schemas.
+Json sequence_info_schema();
+Json thresholds_schema();
+
 /// A row per window length and sequence. `name`: of the database.
 Table thresholds_table(std::span<const TrainSequence> sequences,
                        const std::vector<ThresholdTable>& thresholds, double safety_factor,

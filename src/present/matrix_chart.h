@@ -22,7 +22,7 @@ struct FrameBand {
   size_t count = 0;
 };
 
-VPR_FIELDS(FrameBand, sequence, at, first, count)
+VPR_FIELDS(FrameBand, (sequence), (at), (first), (count))
 
 /// All frames of the searched training sequences, in their order.
 std::vector<FrameBand> frame_bands(const ScoreLayout& layout);

@@ -41,7 +41,7 @@ struct Question {
   std::string end = {};  ///< of the row, after the answer
 };
 
-VPR_FIELDS(Question, row, name, about, sequence, pairs, answer, end)
+VPR_FIELDS(Question, (row), (name), (about), (sequence), (pairs), (answer), (end))
 
 /// The first recognition of a part of a place, its middle and the last one; equal ones once.
 std::vector<FramePair> pairs_of(const Result& result, const PlacePart& part) {

@@ -30,7 +30,10 @@ struct PosteriorSettings {
   double motion_bias = 0.5;      ///< b: 0 forward only, 1 backward only
   double new_place_prior = 0.9;  ///< with the motion model
 };
-VPR_FIELDS(PosteriorSettings, smoothing, motion_model, motion_bias, new_place_prior)
+VPR_FIELDS(PosteriorSettings, (smoothing, "Weight of the smoothed probability, 0 to 1."),
+           (motion_model, "Prefer neighbors of the last place."),
+           (motion_bias, "0: forward only, 1: backward only."),
+           (new_place_prior, "Prior of a new place."))
 
 /// The settings of FAB-MAP.
 struct FabmapQuerySettings {
@@ -52,20 +55,22 @@ struct FabmapQuerySettings {
 
 template <class Visitor>
 void visit_fields(FabmapQuerySettings& settings, Visitor&& visit) {
-  visit("method", settings.method);
+  visit("method", settings.method, "Matching method; default: the database's.");
   visit("variant", settings.variant);
   visit("t_p", settings.place_threshold);
   visit("c_w", settings.window);
   visit("word_model", settings.word_model);
   visit("new_place", settings.new_place);
   visit("new_place_samples", settings.new_place_samples);
-  visit("p_seen_if_there", settings.p_seen_if_there);
-  visit("p_seen_if_not", settings.p_seen_if_not);
-  visit("lut_digits", settings.lut_digits);
-  visit("loop", settings.loop);
-  visit("loop_gap", settings.loop_gap);
+  visit("p_seen_if_there", settings.p_seen_if_there, "P(word observed | word present).");
+  visit("p_seen_if_not", settings.p_seen_if_not, "P(word observed | word absent).");
+  visit("lut_digits", settings.lut_digits, "Digits of variant lut.", within(1, 12));
+  visit("loop", settings.loop,
+        "Match the query with its own past; in FAB-MAP, frames become places for later frames.");
+  visit("loop_gap", settings.loop_gap,
+        "Frames between a frame and its match at least; 0: loop_gap_s.");
   visit("skip_unreadable", settings.skip_unreadable);
-  visit("posterior", settings.posterior);
+  visit("posterior", settings.posterior, "Posterior settings.");
 }
 
 }  // namespace vpr

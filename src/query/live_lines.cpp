@@ -1,43 +1,82 @@
 #include "query/live_lines.h"
 
 #include "base/error.h"
+#include "base/json_schema.h"
 #include "query/plan.h"
 #include "query/train_sequences.h"
 
 namespace vpr {
 namespace {
 
-Json match_json(const Result& result, const Match& match) {
+struct LiveMatch {
+  std::string sequence;
+  size_t frame = 0;
+  double score = 0;
+  int64_t sum = 0;
+};
+VPR_FIELDS(LiveMatch, (sequence, "Name of the training sequence."),
+           (frame, "Training frame that the query frame matches: the last one of its window."),
+           (score, "Score per frame; small is good."),
+           (sum, "Score of the window, as in best_scores."))
+
+struct LiveRecognition {
+  LiveMatch match;
+  size_t query = 0;
+};
+
+template <class Visitor>
+void visit_fields(LiveRecognition& recognition, Visitor&& visit) {
+  visit_fields(recognition.match, visit);
+  visit("query", recognition.query, "Recognized query frame.");
+}
+
+struct LiveLine {
+  LineFrame frame;
+  std::optional<LiveMatch> match;
+  std::optional<double> margin, rate;
+  std::vector<LiveRecognition> recognized;
+};
+
+template <class Visitor>
+void visit_fields(LiveLine& line, Visitor&& visit) {
+  visit("schema", Derived{schema_name("live")});
+  visit("frame", line.frame.number, "Query frame, from 0.");
+  visit("name", line.frame.name, "File name of the frame, or #12 of a video.");
+  visit("readable", line.frame.is_readable, "Whether the frame could be decoded.");
+  visit("match", line.match,
+        "The best match of the window that ends with the frame; null where the readable frames up "
+        "to it do not fill one.");
+  visit("margin", line.margin, "Margin, in score per frame.");
+  visit("rate", line.rate, "Training frames per query frame; null unless the method is filter.");
+  visit("recognized", line.recognized,
+        "Recognitions that this frame decides: of the window that ends with it, or, with method "
+        "filter, of earlier frames, each once. At the end, one more line has those that the end of "
+        "the query decides.");
+}
+
+LiveMatch live_match(const Result& result, const Match& match) {
   const size_t length = result.window_length();
-  return {{"sequence", result.sequences[match.sequence].sequence.name},
-          {"frame", anchor_of(match.train, length)},
-          {"score", result.score().frame_value(match.score, length)},
-          {"sum", static_cast<int64_t>(match.score)}};
+  return {result.sequences[match.sequence].sequence.name, anchor_of(match.train, length),
+          result.score().frame_value(match.score, length), static_cast<int64_t>(match.score)};
 }
 
 }  // namespace
 
 Json live_line(const LineFrame& frame, const Result& shape,
                const std::optional<LiveAnswer>& answer) {
-  Json line = {{"schema", schema_name("live")},
-               {"frame", frame.number},
-               {"name", frame.name},
-               {"readable", frame.is_readable},
-               {"match", nullptr},
-               {"margin", nullptr},
-               {"rate", nullptr},
-               {"recognized", Json::array()}};
-  if (!answer) return line;
-  if (answer->best) line["match"] = match_json(shape, *answer->best);
-  if (answer->margin) line["margin"] = *answer->margin;
-  line["rate"] = or_null(answer->rate);
-  for (const Match& match : answer->recognized) {
-    Json recognized = match_json(shape, match);
-    recognized["query"] = anchor_of(match.query, shape.window_length());
-    line["recognized"].push_back(std::move(recognized));
+  LiveLine line{frame, {}, {}, {}, {}};
+  if (answer) {
+    if (answer->best) line.match = live_match(shape, *answer->best);
+    line.margin = answer->margin;
+    line.rate = answer->rate;
+    for (const Match& match : answer->recognized)
+      line.recognized.push_back(
+          {live_match(shape, match), anchor_of(match.query, shape.window_length())});
   }
-  return line;
+  return value_to_json(line, kDataForm);
 }
+
+Json live_schema() { return schema_of<LiveLine>(); }
 
 LiveLines::LiveLines(const SequenceDatabase& database, const std::string& query_name,
                      const SequenceQuerySettings& settings, const QueryResources& resources,

@@ -22,6 +22,9 @@ struct LineFrame {
 Json live_line(const LineFrame& frame, const Result& shape,
                const std::optional<LiveAnswer>& answer);
 
+/// The schema of a line, for docs/schemas.
+Json live_schema();
+
 class LiveLines {
  public:
   /// Throws as LiveQuery does. The database must outlive it.

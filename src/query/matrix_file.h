@@ -20,7 +20,7 @@ struct MatrixColumns {
   size_t first_column = 0;
 };
 
-VPR_FIELDS(MatrixColumns, sequence, first_column)
+VPR_FIELDS(MatrixColumns, (sequence, "Name of the training sequence."), (first_column, "From 0."))
 
 /// "matrix" of a result.
 struct MatrixLayout {
@@ -29,7 +29,8 @@ struct MatrixLayout {
   std::vector<MatrixColumns> sequences;
 };
 
-VPR_FIELDS(MatrixLayout, rows, columns, sequences)
+VPR_FIELDS(MatrixLayout, (rows, "Query windows."), (columns, "Training windows."),
+           (sequences, "Which column starts which sequence."))
 
 MatrixLayout matrix_layout(const ScoreLayout& layout);
 

@@ -27,7 +27,10 @@ struct ClusterSettings {
 /// The largest eps.
 inline constexpr int64_t kMaxEps = 1000;
 
-VPR_FIELDS(ClusterSettings, eps, eps_inclusive)
+VPR_FIELDS(ClusterSettings,
+           (eps, "Largest Euclidean distance of neighboring recognitions, in frames.",
+            within(0, kMaxEps)),
+           (eps_inclusive, "Whether a distance of eps joins."))
 
 /// threshold: every window pair with a score below t_r. margin: the best match of a query window if
 /// its margin is at least X.
@@ -126,25 +129,27 @@ struct SequenceKeys {
 
 template <class Visitor>
 void visit_fields(SequenceKeys& keys, Visitor&& visit) {
-  visit("method", keys.windows.windows.method);
-  visit("c_l", keys.windows.windows.window_length);
-  visit("t_r", keys.windows.threshold);
-  visit("t_r_scale", keys.windows.scale);
-  visit("safety_factor", keys.windows.safety_factor);
+  visit("method", keys.windows.windows.method, "Matching method; default: the database's.");
+  visit("c_l", keys.windows.windows.window_length, "", at_least(1));
+  visit("t_r", keys.windows.threshold, "", kMayBeMissing);
+  visit("t_r_scale", keys.windows.scale, "", kMayBeMissing);
+  visit("safety_factor", keys.windows.safety_factor, "", kMayBeMissing);
   visit("only_sequence", keys.only_sequences);
   visit("skip_unreadable", keys.skip_unreadable);
-  visit("clustering", keys.clustering);
-  visit("lsh", keys.lsh);
+  visit("clustering", keys.clustering, "How recognitions are joined into recognized places.");
+  visit("lsh", keys.lsh, "Settings of method lsh.", kMayBeMissing);
   visit("score", keys.windows.windows.score);
   visit("decide", keys.decision);
-  visit("margin", keys.margin);
-  visit("exclusion_frames", keys.windows.windows.exclusion_frames);
-  visit("same_place", keys.windows.windows.same_place);
-  visit("filter", keys.filter);
-  visit("loop", keys.loop);
-  visit("loop_gap", keys.loop_gap);
-  visit("loop_gap_s", keys.loop_gap_s);
-  visit("descriptor", keys.descriptor);
+  visit("margin", keys.margin, "", kMayBeMissing);
+  visit("exclusion_frames", keys.windows.windows.exclusion_frames, "", kMayBeMissing);
+  visit("same_place", keys.windows.windows.same_place, "", kMayBeMissing);
+  visit("filter", keys.filter, "Settings of method filter.", kMayBeMissing);
+  visit("loop", keys.loop,
+        "Match the query with its own past; in FAB-MAP, frames become places for later frames.");
+  visit("loop_gap", keys.loop_gap, "Frames between a frame and its match at least; 0: loop_gap_s.",
+        kMayBeMissing);
+  visit("loop_gap_s", keys.loop_gap_s, "Least gap, in seconds.", kMayBeMissing);
+  visit("descriptor", keys.descriptor, "", kMayBeMissing);
 }
 
 /// The settings of any method.

@@ -21,7 +21,8 @@ struct FileEntry {
   bool operator==(const FileEntry&) const = default;
 };
 
-VPR_FIELDS(FileEntry, rows, checksum)
+VPR_FIELDS(FileEntry, (rows, "Rows of the array."),
+           (checksum, "Checksum of the file.", kIsChecksum))
 
 /// By name, in the order in which they were written.
 using FileEntries = nlohmann::ordered_map<std::string, FileEntry>;

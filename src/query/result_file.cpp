@@ -7,6 +7,7 @@
 
 #include "base/checksum.h"
 #include "base/error.h"
+#include "base/json_schema.h"
 #include "base/provenance.h"
 #include "database/archive.h"
 #include "recordings/sequence_json.h"
@@ -16,10 +17,13 @@ namespace vpr {
 template <class Visitor>
 void visit_fields(UsedStatistics& statistics, Visitor&& visit) {
   visit_fields(statistics.settings, visit);
-  visit("typical_distance", statistics.typical_distance);
+  visit("typical_distance", statistics.typical_distance, "Mean distance of training frames.",
+        at_least(0));
 }
 
-VPR_FIELDS(SearchRecall, windows, found_best, recognitions, found_recognitions)
+VPR_FIELDS(SearchRecall, (windows, "Windows with a match."), (found_best, "Best ones found."),
+           (recognitions, "Recognitions of exact search."),
+           (found_recognitions, "Recognitions that were found."))
 
 namespace {
 
@@ -34,20 +38,35 @@ struct ResultContent {
   bool has_places() const { return std::holds_alternative<FabmapQuerySettings>(result.settings); }
 };
 
-Json clusters_json(const Clusters& clusters, size_t length) {
-  const auto extent = [&](size_t window, size_t first, size_t last) -> Json {
-    return {{"window", window},     {"anchor", anchor_of(window, length)},
-            {"first", first},       {"last", last},
-            {"first_frame", first}, {"last_frame", anchor_of(last, length)}};
+/// Windows of a cluster in one sequence, and their frames.
+struct ClusterSpan {
+  size_t window = 0, anchor = 0, first = 0, last = 0, first_frame = 0, last_frame = 0;
+};
+VPR_FIELDS(ClusterSpan, (window, "Mean window of recognitions."), (anchor, "Its last frame."),
+           (first, "First window with a recognition."), (last, "Last window with a recognition."),
+           (first_frame, "First frame covered."), (last_frame, "Last frame covered."))
+
+struct StoredCluster {
+  size_t sequence = 0;
+  ClusterSpan query, train;
+  size_t recognitions = 0;
+  int64_t best_score = 0;
+};
+VPR_FIELDS(StoredCluster, (sequence, "Index of the training sequence."),
+           (query, "Windows of the query."), (train, "Windows of the sequence."),
+           (recognitions, "Recognitions of the cluster."),
+           (best_score, "Smallest summed score of its recognitions."))
+
+std::vector<StoredCluster> stored_clusters(const Clusters& clusters, size_t length) {
+  const auto span = [&](size_t window, size_t first, size_t last) -> ClusterSpan {
+    return {window, anchor_of(window, length), first, last, first, anchor_of(last, length)};
   };
-  Json json = Json::array();
+  std::vector<StoredCluster> stored;
   for (const Cluster& one : clusters.all)
-    json.push_back({{"sequence", one.sequence},
-                    {"query", extent(one.query_window, one.query_first, one.query_last)},
-                    {"train", extent(one.train_window, one.train_first, one.train_last)},
-                    {"recognitions", one.recognitions},
-                    {"best_score", static_cast<int64_t>(one.best_score)}});
-  return json;
+    stored.push_back({one.sequence, span(one.query_window, one.query_first, one.query_last),
+                      span(one.train_window, one.train_first, one.train_last), one.recognitions,
+                      static_cast<int64_t>(one.best_score)});
+  return stored;
 }
 
 /// A sum of scores, which is smaller in files by `offset`.
@@ -68,49 +87,65 @@ template <class Visitor>
 void visit_query(ResultContent& content, Visitor&& visit) {
   Result& result = content.result;
   visit_sequence(result.query, visit, [&] {
-    visit("windows", result.query_windows);
-    visit("unreadable", result.query.unreadable);
+    visit("windows", result.query_windows,
+          "Windows that were matched: frames - c_l + 1; in FAB-MAP the frames.");
+    visit("unreadable", result.query.unreadable, kUnreadableText);
   });
-  if (content.has_places()) visit("featureless", result.places->featureless);
+  if (content.has_places())
+    visit("featureless", result.places->featureless,
+          "Frames without visual words; they are not recognized.");
 }
 
 template <class Visitor>
 void visit_compared(ComparedSequence& compared, ResultContent& content, Visitor&& visit) {
   visit_sequence(compared.sequence, visit, [&] {
-    visit("windows", compared.windows);
-    visit("searched", compared.searched);
+    visit("windows", compared.windows, "Windows without undecodable frames; in FAB-MAP places.");
+    visit("searched", compared.searched, "Selected by --only-sequence.");
   });
   if (!compared.searched || content.has_places()) return;
-  visit("t_r", compared.threshold);
-  visit("t_r_scale", compared.scale);
-  visit("limit", sum_field(compared.distance_limit,
-                           content.result.score().offset(content.result.window_length())));
-  visit("max_distance", IfSet{compared.max_distance});
-  visit("margin", IfSet{compared.margin});
+  visit("t_r", compared.threshold, "Threshold on t_r_scale; null: none; absent if not searched.",
+        kMayBeMissing);
+  visit("t_r_scale", compared.scale, "Scale of t_r.", kMayBeMissing);
+  visit("limit",
+        sum_field(compared.distance_limit,
+                  content.result.score().offset(content.result.window_length())),
+        "Recognitions have a smaller summed score: bits, or 1/1024 standard deviations.",
+        kAs<int64_t>, kMayBeMissing);
+  visit("max_distance", IfSet{compared.max_distance}, "Largest distance.");
+  visit("margin", IfSet{compared.margin},
+        "Required margin in this sequence, in score per frame; absent if decide is threshold.",
+        at_least(0));
 }
 
 template <class Visitor>
 void visit_context(ResultContext& context, Visitor&& visit) {
   RunInfo& run = context.run;
   visit("provenance", NestedObject{[&](auto&& inner) {
-          inner("program", run.program);
-          inner("version", Derived{program_version()});
-          inner("commit", Derived{program_commit()});
-          inner("seed", run.seed);
-          inner("database", context.database_fingerprint);
-          inner("query", context.query_fingerprint);
-        }});
-  visit("machine",
+          visit_origin(inner, run.program, Derived{program_version()}, Derived{program_commit()});
+          inner("seed", run.seed, "Seed of random choices.");
+          inner("database", context.database_fingerprint, "Checksum of the database.", kIsChecksum);
+          inner("query", context.query_fingerprint, "Checksum of the query.", kIsChecksum);
+        }},
+        kProvenanceText);
+  visit("machine",  // described by with_run
         CustomField{[&](Json& json, const std::string& key) { json[key] = machine_json(run); },
                     [&](const Fields& fields, const std::string& key) {
                       if (fields.has(key)) read_machine(fields.object(key), run);
-                    }});
+                    }},
+        "", kAs<Json>);
   visit("timing", Derived{timing_json(context.seconds)});
   // A saved matrix or posteriors are listed before the companions, arrays alone after them.
   const bool is_saved = context.files.count("matrix") + context.files.count("posteriors") > 0;
   if (is_saved) visit("files", context.files);
-  visit("companions", Unless{context.companions, {}});
-  if (!is_saved) visit("files", Unless{context.files, {}});
+  visit("companions", Unless{context.companions, {}},
+        "Checksums of the other files that vpr-query wrote into the folder of the result (a matrix "
+        "or its image, posteriors, loop closures), by file name. A reader refuses the result while "
+        "one of them belongs to another run.",
+        kIsChecksum);
+  if (!is_saved)
+    visit("files", Unless{context.files, {}},
+          "Arrays next to the result, by name, each with its rows and checksum "
+          "(docs/reference/files.md). vpr-eval refuses others.");
 }
 
 template <class Visitor>
@@ -118,46 +153,66 @@ void visit_fields(ResultContent& content, Visitor&& visit) {
   Result& result = content.result;
   ResultContext& context = content.context;
   visit("schema", Derived{schema_name("result")});
-  visit("method", Derived{method_of(result.settings)});
+  visit("method", Derived{method_of(result.settings)}, "Matching method.");
   const auto write_settings = [&](Json& json, const std::string& key) {
     json[key] = settings_in_force(result.settings);
   };
-  visit("settings", CustomField{write_settings, [&](const Fields& fields, const std::string&) {
-                                  result.settings = read_query_settings(fields);
-                                  if (content.has_places()) result.places.emplace();
-                                }});
-  visit("statistics", IfSet{result.statistics});
-  visit("query", NestedObject{[&](auto&& inner) { visit_query(content, inner); }});
-  visit("sequences", NestedList{result.sequences, [&](ComparedSequence& compared, auto&& inner) {
-                                  visit_compared(compared, content, inner);
-                                }});
+  visit("settings",
+        CustomField{write_settings,
+                    [&](const Fields& fields, const std::string&) {
+                      result.settings = read_query_settings(fields);
+                      if (content.has_places()) result.places.emplace();
+                    }},
+        "Settings that can change the numbers; keys are the names of flags.",
+        kAs<InForce<SequenceKeys>, InForce<FabmapQuerySettings>>);
+  visit("statistics", IfSet{result.statistics},
+        "Start of z-scores: distances of training frames from the rest of the training data.");
+  visit("query", NestedObject{[&](auto&& inner) { visit_query(content, inner); }},
+        "The query sequence.");
+  visit(
+      "sequences",
+      NestedList{result.sequences, [&](ComparedSequence& compared,
+                                       auto&& inner) { visit_compared(compared, content, inner); }},
+      "The training sequences, in the order of the database; for FAB-MAP one, all places.");
   if (content.has_places())
     visit("places", NestedObject{[&](auto&& inner) {
-            inner("names", result.places->names);
-            inner("views", result.places->views);
-          }});
+            inner("names", result.places->names, "Place names.");
+            inner("views", result.places->views, "Views of all places.");
+          }},
+          "Names of places by index, and the number of views; FAB-MAP only.");
   visit("totals", NestedObject{[&](auto&& inner) {
-          inner("recognitions", Derived{result.recognitions.size()});
-          const auto of_path = [&](const char* name, std::optional<size_t> ResultPath::*count) {
+          inner("recognitions", Derived{result.recognitions.size()}, "Accepted window pairs.");
+          const auto of_path = [&](const char* name, std::optional<size_t> ResultPath::*count,
+                                   std::string_view text) {
             const auto write = [&](Json& json, const std::string& key) {
               if (result.path && (*result.path).*count) json[key] = *((*result.path).*count);
             };
-            inner(name, CustomField{write, [&](const Fields& fields, const std::string& key) {
-                                      std::optional<size_t> frames;
-                                      fields.read_if_set(key, frames);
-                                      if (!frames) return;
-                                      if (!result.path) result.path.emplace();
-                                      (*result.path).*count = frames;
-                                    }});
+            inner(name,
+                  CustomField{write,
+                              [&](const Fields& fields, const std::string& key) {
+                                std::optional<size_t> frames;
+                                fields.read_if_set(key, frames);
+                                if (!frames) return;
+                                if (!result.path) result.path.emplace();
+                                (*result.path).*count = frames;
+                              }},
+                  text, kAs<size_t>, kMayBeMissing);
           };
-          of_path("filter_keyframes", &ResultPath::keyframes);
-          of_path("reversed_frames", &ResultPath::reversed_frames);
-          if (result.clusters) inner("clusters", Derived{result.clusters->all.size()});
-        }});
-  visit("recall", IfSet{result.recall});
+          of_path("filter_keyframes", &ResultPath::keyframes,
+                  "Query frames that the filter compared with the places: its keyframes.");
+          of_path("reversed_frames", &ResultPath::reversed_frames,
+                  "Query frames that the filter would recognize if the training sequences were in "
+                  "reverse order.");
+          if (result.clusters)
+            inner("clusters", Derived{result.clusters->all.size()}, "Recognized places.");
+        }},
+        "Totals.");
+  visit("recall", IfSet{result.recall}, "Recall of an approximate method.");
   if (result.clusters)  // not for a reader, which finds them again
-    visit("clusters", Derived{clusters_json(*result.clusters, result.window_length())});
-  visit("matrix", IfSet{context.matrix});
+    visit("clusters", Derived{stored_clusters(*result.clusters, result.window_length())},
+          "Recognized places: clusters of recognitions, by training sequence, then first "
+          "recognition; for the method filter paths, by first recognition. Absent for FAB-MAP.");
+  visit("matrix", IfSet{context.matrix}, "The shape of the matrix that --save-matrix wrote.");
   visit_context(context, visit);
 }
 
@@ -187,7 +242,8 @@ void find_clusters(const Fields& fields, Result& result, const Monitor& monitor)
   const int64_t eps = std::get<SequenceQuerySettings>(result.settings).clustering.eps;
   if (eps < 0 || eps > kMaxEps) fields.fail("its clustering.eps is out of range");
   cluster(result, monitor);
-  if (fields.list("clusters") != clusters_json(*result.clusters, result.window_length()))
+  if (fields.list("clusters") !=
+      value_to_json(stored_clusters(*result.clusters, result.window_length()), kDataForm))
     fields.fail("its clusters are not those of its recognitions");
 }
 
@@ -228,6 +284,20 @@ Json result_json(const Result& result, const ResultContext& context) {
   return value_to_json(ResultContent{const_cast<Result&>(result),  // visited, not changed
                                      const_cast<ResultContext&>(context)},
                        kDataForm);
+}
+
+Json result_schema() {
+  Result of_sequences, of_places;
+  of_sequences.clusters.emplace();
+  of_places.settings = FabmapQuerySettings{};
+  of_places.places.emplace();
+  ResultContext context;
+  ResultContent first{of_sequences, context}, second{of_places, context};
+  SchemaVisitor visit{SchemaForm::data, with_run(merged(field_schema(first, SchemaForm::data),
+                                                        field_schema(second, SchemaForm::data)))};
+  visit("checksum", std::string(), "Checksum of the content.", kIsChecksum, kMayBeMissing);
+  visit.object["oneOf"] = {{{"required", {"clusters"}}}, {{"required", {"places"}}}};
+  return visit.object;
 }
 
 Json write_result(const fs::path& path, const Result& result, ResultContext context,

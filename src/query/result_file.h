@@ -49,6 +49,9 @@ Json read_result_json(const std::filesystem::path& path);
 /// The JSON, with the files that the context has.
 Json result_json(const Result& result, const ResultContext& context);
 
+/// The schema of a result, for docs/schemas.
+Json result_schema();
+
 /// Writes the arrays and the JSON, which it returns; the caller commits. The JSON has the checksums
 /// of all earlier outputs in the folder of the result, such as a matrix.
 Json write_result(const std::filesystem::path& path, const Result& result, ResultContext context,

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/json.h"
+#include "base/json_schema.h"
 #include "base/parallel.h"
 #include "base/provenance.h"
 #include "base/simd.h"
@@ -26,13 +27,15 @@ struct Machine {
 template <class Visitor>
 void visit_fields(Machine& machine, Visitor&& visit) {
   RunInfo& run = machine.run;
-  visit("host", Derived{host_name()});
-  visit("threads", run.threads);
-  visit("simd", Unless{run.simd_target, {}});
-  visit("memory_limit", Unless{run.memory_limit, {}});
-  visit("command_line", run.command_line);
-  visit("paths", run.paths);
-  visit("images", Unless{run.images, {}});
+  visit("host", Derived{host_name()}, "Name of the machine.");
+  visit("threads", run.threads, "Threads that were used.");
+  visit("simd", Unless{run.simd_target, {}}, "Instruction set of the kernels, as in AVX2.");
+  visit("memory_limit", Unless{run.memory_limit, {}}, "Bytes (--max-memory).");
+  visit("command_line", run.command_line, "Words of the command line.");
+  visit("paths", run.paths, "Paths by role.");
+  visit("images", Unless{run.images, {}},
+        "Checksums of the names and sizes of images or of a video and of some contents, by the "
+        "role of their path.");
 }
 
 }  // namespace
@@ -63,6 +66,15 @@ Json provenance_json(const RunInfo& run) { return value_to_json(provenance_of(ru
 Json machine_json(const RunInfo& run) {
   RunInfo copy = run;
   return value_to_json(Machine{copy}, kDataForm);
+}
+
+Json with_run(Json schema, bool has_timing) {
+  RunInfo run;
+  Machine machine{run};
+  SchemaVisitor visit{SchemaForm::data, std::move(schema)};
+  visit("machine", machine, "Values that may differ between two runs with equal results.");
+  if (has_timing) visit("timing", std::map<std::string, double>(), "Seconds by step.");
+  return visit.object;
 }
 
 void read_machine(const Fields& fields, RunInfo& run) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/json_fwd.h"
+#include "base/provenance.h"
 #include "recordings/sequence_source.h"
 
 namespace vpr {
@@ -32,15 +33,6 @@ RunInfo run_of(const std::string& program, const std::vector<std::string>& comma
 
 class Fields;
 
-struct Provenance {
-  std::string program;
-  std::string version;
-  std::string commit;
-  uint64_t seed = 0;
-};
-
-VPR_FIELDS(Provenance, program, version, commit, seed)
-
 /// Adds the path of the query and the checksum of the names of its frames; nothing for an array in
 /// memory.
 void set_query_path(RunInfo& run, const SequenceArgument& query);
@@ -51,6 +43,9 @@ Json provenance_json(const RunInfo& run);
 
 /// Host, SIMD target, threads, command line, paths and memory limit.
 Json machine_json(const RunInfo& run);
+
+/// The schema with "machine" and "timing".
+Json with_run(Json schema, bool has_timing = true);
 
 /// Reads the output of machine_json, except the host. Throws Error(data) for damage.
 void read_machine(const Fields& fields, RunInfo& run);

@@ -24,12 +24,12 @@ struct SequenceTrainSettings {
 
 template <class Visitor>
 void visit_fields(SequenceTrainSettings& settings, Visitor&& visit) {
-  visit("descriptor", settings.descriptor_kind);
+  visit("descriptor", settings.descriptor_kind, "Descriptor of the frames.");
   visit_fields(settings.descriptor, visit);
-  visit("c_l", settings.window_length);
-  visit("safety_factor", settings.safety_factor);
+  visit("c_l", settings.window_length, "Window of the automatic t_r.", at_least(1));
+  visit("safety_factor", settings.safety_factor, "Multiplies the automatic t_r.");
   visit("skip_unreadable", settings.skip_unreadable);
-  visit("statistics", settings.statistics);
+  visit("statistics", settings.statistics, "Training statistics.");
 }
 
 /// Describes each sequence and computes the training statistics and, unless is_left_to_queries, the

@@ -37,7 +37,9 @@ struct ProcessSettings {
   uint64_t max_megapixels = kDefaultMegapixels;
   FrameOrder order = FrameOrder::automatic;
 };
-VPR_FIELDS(ProcessSettings, threads, seed, max_megapixels, order)
+VPR_FIELDS(ProcessSettings, (threads, "0: all cores."), (seed, "Seed of random choices."),
+           (max_megapixels, "Largest accepted frame, in million pixels.", within(1, 1073)),
+           (order, "Order of the images in folders."))
 
 /// Applies settings to the process during its lifetime, and has OpenCV work on one thread per
 /// frame, silently, as FFmpeg, and without code that depends on the processor. Throws Error(usage)

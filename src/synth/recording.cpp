@@ -10,7 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/json_schema.h"
 #include "base/output.h"
 #include "base/parallel.h"
 #include "synth/scene.h"
@@ -297,12 +297,30 @@ bool is_recording_folder(const fs::path& folder) {
   return true;
 }
 
-Json recording_json(const World& world, const RecordingSize& size) {
-  return {{"schema", schema_name("world-info")},
-          {"walks", world.walks.size()},
-          {"frames", size.frames},
-          {"places", world.places.size()},
-          {"views", size.views}};
+namespace {
+
+struct WorldInfo {
+  size_t walks = 0, frames = 0, places = 0, views = 0;
+};
+
+template <class Visitor>
+void visit_fields(WorldInfo& info, Visitor&& visit) {
+  visit("schema", Derived{schema_name("world-info")});
+  visit("walks", info.walks, "Walks that were rendered.");
+  visit("frames", info.frames, "Frames of all walks.");
+  visit("places", info.places, "Places of FAB-MAP.");
+  visit("views", info.views, "Views of all places.");
 }
+
+}  // namespace
+
+Json recording_json(const World& world, const RecordingSize& size) {
+  return value_to_json(WorldInfo{world.walks.size(), size.frames, world.places.size(), size.views},
+                       kDataForm);
+}
+
+Json world_schema() { return schema_of<World>(SchemaForm::partial); }
+
+Json world_info_schema() { return schema_of<WorldInfo>(); }
 
 }  // namespace vpr

@@ -41,6 +41,10 @@ struct RecordingSize {
 
 Json recording_json(const World& world, const RecordingSize& size);
 
+/// The schemas of a world and of recording_json, for docs/schemas.
+Json world_schema();
+Json world_info_schema();
+
 /// Renders a world into an existing folder:
 ///   WALK/00000.jpg ..., WALK/poses.csv  frame,time,x,y,heading,floor of every walk
 ///   places/PLACE/0.jpg ..., places.csv  place,view,x,y,heading,floor of every view of a place

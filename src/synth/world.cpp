@@ -24,34 +24,6 @@ constexpr double kMaxMeters = 500;     // maximum of a coordinate
 constexpr double kMaxPlanM2 = 20'000;  // painted at 64 x 64 texels per square meter
 constexpr size_t kMaxLetters = 100;
 
-/// The range of all numbers with these keys, both ends included.
-struct Range {
-  double low;
-  double high;
-  std::string_view keys;  ///< separated by spaces
-};
-
-constexpr Range kRanges[] = {
-    {0, 1, "resemblance renovated finishes bareness wear far_view reflections changes shutter_s"},
-    {0, 10, "window_light shake lamps daylight"},
-    {-kMaxMeters, kMaxMeters, "path x y from_x from_y to_x to_y"},
-    {kPlanCellM, kMaxMeters, "width depth"},
-    {0, kMaxMeters, "same_place_m ignore_m"},
-    {0, 100'000, "frames from_m at_m to_m"},
-    {0, 1000, "passers_by standing crossing ahead"},
-    {0, 5, "jolt_deg"},
-    {-360, 360, "headings"},
-    {32, 4096, "image_width image_height"},
-    {0.1, 1000, "fps"},
-    {0.05, 100, "speed_m_s"},
-    {0, 3600, "seconds"},
-    {0, 3, "hands"},
-    {0, 2, "line_m"},
-    {0, 0.5, "lost_frames"},
-    {-1, 1, "warmth"},
-    {0, 100, "noise"},
-};
-
 // Checks values; its messages name the world.
 class Checker {
  public:
@@ -60,20 +32,16 @@ class Checker {
   void require(bool ok, std::string_view what) const {
     if (!ok) throw Error(ErrorKind::usage, "{}: {}", where_, what);
   }
-  /// Checks the ranges of all numbers in a value and its fields.
+  /// Checks the bounds of all numbers in a value and its fields.
   template <class T>
-  void ranges(T& value, std::string_view key) const {
-    if constexpr (Settings<T>) {
-      visit_fields(value, [&](std::string_view name, auto& field) { ranges(field, name); });
-    } else if constexpr (detail::kIsList<T>) {
-      for (auto& item : value) ranges(item, key);
-    } else if constexpr (std::is_arithmetic_v<T>) {
-      const auto number = static_cast<double>(value);
-      for (const Range& range : kRanges)
-        if (std::ranges::count(split(range.keys, ' '), key) > 0)
-          require(number >= range.low && number <= range.high,
-                  fmt::format("{} must be {} to {}, found {}", key, range.low, range.high, value));
-    }
+  void bounds(T& value, std::string_view key, const auto&... hints) const {
+    if constexpr (Settings<T>)
+      visit_fields(value, [&](std::string_view name, auto& field, std::string_view,
+                              const auto&... more) { bounds(field, name, more...); });
+    else if constexpr (detail::kIsList<T>)
+      for (auto& item : value) bounds(item, key, hints...);
+    else if constexpr (std::is_arithmetic_v<T>)
+      (check_bounds(value, key, hints), ...);
   }
   void on_grid(std::initializer_list<double> meters, std::string_view what) const {
     for (const double value : meters)
@@ -89,6 +57,13 @@ class Checker {
   }
 
  private:
+  void check_bounds(auto value, std::string_view key, const Bounds& bounds) const {
+    const auto number = static_cast<double>(value);
+    require(number >= bounds.least && number <= bounds.most,
+            fmt::format("{} must be {} to {}, found {}", key, bounds.least, bounds.most, value));
+  }
+  void check_bounds(auto, std::string_view, const auto&) const {}
+
   std::string where_;
 };
 
@@ -145,7 +120,7 @@ void check_walk(const World& world, const Walk& walk, const Checker& check) {
 }
 
 void check_world(World& world, const Checker& check) {
-  check.ranges(world, "");
+  check.bounds(world, "");
   check.require(!world.walks.empty(), "walks must not be empty");
   std::set<std::string> names;
   for (size_t i = 0; i < world.floors.size(); ++i) {

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/json_schema.h"
 
 namespace vpr {
 namespace {
@@ -40,33 +41,48 @@ auto required_text(std::string& text) {
 
 template <class Visitor>
 void visit_sequence(NamedSequence& named, const fs::path& folder, Visitor&& visit) {
-  visit("name", required_text(named.name));
+  visit("name", required_text(named.name), "Name; default: from its path.", kAs<std::string>,
+        kRequired);
   visit("sequence", ReadField{[&](const Fields& fields, const std::string& key) {
           named.sequence = sequence_argument(fields.text(key), folder);
-        }});
-  visit("poses", path_field(named.poses, folder));
+        }},
+        "Folder, list or video, with a range.", kAs<std::string>, kRequired);
+  visit("poses", path_field(named.poses, folder),
+        "CSV frame,x,y with optional heading and floor: positions, in m.", kAs<std::string>);
+}
+
+/// A ground truth and the folder of its file.
+struct TruthInFile {
+  GroundTruthArgument argument;
+  fs::path folder;
+};
+
+template <class Visitor>
+void visit_fields(TruthInFile& file, Visitor&& visit) {
+  GroundTruthArgument& argument = file.argument;
+  visit("path", path_field(argument.path, file.folder), "Path, relative to this file.",
+        kAs<std::string>);
+  visit("format", argument.format, "Format or preset; default: by content.");
+  visit("tolerance", argument.tolerance_frames, "Tolerance, in frames.", at_least(0));
+  visit_fields(argument.options,
+               [&](const char* name, auto& option, std::string_view text, const auto&... hints) {
+                 if constexpr (std::is_same_v<decltype(option), fs::path&>)
+                   visit(name, path_field(option, file.folder), text, kAs<std::string>);
+                 else
+                   visit(name, option, text, hints...);
+               });
 }
 
 auto truth_field(std::optional<GroundTruthArgument>& truth, const fs::path& folder) {
   return ReadField{[&](const Fields& fields, const std::string& key) {
     if (!fields.has(key)) return;
-    GroundTruthArgument& argument = truth.emplace();
-    NestedObject object{[&](auto&& visit) {
-      visit("path", path_field(argument.path, folder));
-      visit("format", argument.format);
-      visit("tolerance", argument.tolerance_frames);
-      visit_fields(argument.options, [&](const char* name, auto& option) {
-        if constexpr (std::is_same_v<decltype(option), fs::path&>)
-          visit(name, path_field(option, folder));
-        else
-          visit(name, option);
-      });
-    }};
+    TruthInFile file{{}, folder};
     const JsonSource source{fields.where() + ", " + key, fields.source().form};
-    value_from_json(fields[key], object, source, key);
-    if (argument.tolerance_frames < 0) source.fail("\"tolerance\" must not be negative");
-    if (argument.format.empty() && argument.path.empty())
+    value_from_json(fields[key], file, source, key);
+    if (file.argument.tolerance_frames < 0) source.fail("\"tolerance\" must not be negative");
+    if (file.argument.format.empty() && file.argument.path.empty())
       source.fail("needs a \"format\" or a \"path\"");
+    truth = std::move(file.argument);
   }};
 }
 
@@ -78,28 +94,41 @@ struct DatasetFile {
 
 template <class Visitor>
 void visit_fields(DatasetFile& file, Visitor&& visit) {
+  using Texts = std::vector<std::string>;
   Dataset& dataset = file.dataset;
   const fs::path& base = file.folder;
   std::string schema;
   visit("schema", schema);
-  visit("name", required_text(dataset.name));
-  visit("fps", dataset.frames_per_second);
-  visit("pretrain", sequences_field(dataset.pretrain, base));
-  visit("train", NestedList{dataset.train, [&](NamedSequence& train, auto&& inner) {
-                              visit_sequence(train, base, inner);
-                            }});
-  visit("places", NestedList{dataset.places, [&](DatasetPlace& place, auto&& inner) {
-                               inner("name", required_text(place.name));
-                               inner("sequences", sequences_field(place.views, base));
-                             }});
+  visit("name", required_text(dataset.name), "Name of the data set in tables and pages.",
+        kAs<std::string>, kRequired);
+  visit("fps", dataset.frames_per_second, "Frames per second of the recordings.", at_least(0));
+  visit("pretrain", sequences_field(dataset.pretrain, base), "Vocabulary sequences.", kAs<Texts>);
+  visit("train",
+        NestedList{dataset.train,
+                   [&](NamedSequence& train, auto&& inner) { visit_sequence(train, base, inner); }},
+        "Training sequences of the sequence methods.");
+  visit("places",
+        NestedList{dataset.places,
+                   [&](DatasetPlace& place, auto&& inner) {
+                     inner("name", required_text(place.name), "Name of the place.",
+                           kAs<std::string>, kRequired);
+                     inner("sequences", sequences_field(place.views, base),
+                           "Sequences of its views.", kAs<Texts>, kRequired);
+                   }},
+        "FAB-MAP's places.");
   visit("queries",
-        NestedList{dataset.queries, [&](DatasetQuery& query, auto&& inner) {
+        NestedList{dataset.queries,
+                   [&](DatasetQuery& query, auto&& inner) {
                      visit_sequence(query.sequence, base, inner);
-                     inner("ground_truth", truth_field(query.sequence_ground_truth, base));
-                     inner("place_ground_truth", truth_field(query.place_ground_truth, base));
-                   }});
-  visit("plan", path_field(dataset.plan, base));
-  visit("place_poses", path_field(dataset.place_poses, base));
+                     inner("ground_truth", truth_field(query.sequence_ground_truth, base),
+                           "Ground truth.", kAs<TruthInFile>);
+                     inner("place_ground_truth", truth_field(query.place_ground_truth, base),
+                           "Ground truth of places.", kAs<TruthInFile>);
+                   }},
+        "Query sequences.");
+  visit("plan", path_field(dataset.plan, base), "CSV of walls.", kAs<std::string>);
+  visit("place_poses", path_field(dataset.place_poses, base), "CSV place,x,y with optional floor.",
+        kAs<std::string>);
 }
 
 // An unset variable of the program that wrote the file.
@@ -141,6 +170,12 @@ Dataset read_dataset(const fs::path& path) {
   check_names(dataset.queries, where + ", queries",
               [](const DatasetQuery& query) -> const std::string& { return query.sequence.name; });
   return dataset;
+}
+
+Json dataset_schema() {
+  Dataset dataset;
+  DatasetFile file{dataset, {}};
+  return field_schema(file, SchemaForm::partial);
 }
 
 const DatasetQuery& select_query(const Dataset& dataset, const std::optional<std::string>& name) {

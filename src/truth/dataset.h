@@ -61,22 +61,30 @@ struct GroundTruthOptions {
 
 template <class Visitor>
 void visit_fields(GroundTruthOptions& options, Visitor&& visit) {
-  visit("reference", options.reference);
-  visit("soft", options.soft);
-  visit("query_times", options.query.times);
-  visit("train_times", options.train.times);
-  visit("query_pose_times", options.query.pose_times);
-  visit("train_pose_times", options.train.pose_times);
-  visit("query_images", options.query.images);
-  visit("train_images", options.train.images);
-  visit("radius_m", options.radius_m);
-  visit("angle_deg", options.angle_deg);
-  visit("ignore_radius_m", options.ignore_radius_m);
-  visit("train_step", options.train_step);
-  visit("matrix_rows", options.matrix_rows);
-  visit("max_difference_s", options.max_difference_s);
-  visit("offset_s", options.query.offset_s);
-  visit("train_offset_s", options.train.offset_s);
+  visit("reference", options.reference, "Poses or images of the training sequence.");
+  visit("soft", options.soft, "A matrix of pairs to ignore.");
+  visit("query_times", options.query.times,
+        "Time stamps of the query frames: a list, a folder of images named by time, or a video.");
+  visit("train_times", options.train.times, "The same of training frames.");
+  visit("query_pose_times", options.query.pose_times, "kitti: query pose times.");
+  visit("train_pose_times", options.train.pose_times, "kitti: training pose times.");
+  visit("query_images", options.query.images, "gps: image names of the query.");
+  visit("train_images", options.train.images, "gps: the same of training images.");
+  visit("radius_m", options.radius_m, "Frames within this distance show the same place, in m.",
+        at_least(0));
+  visit("angle_deg", options.angle_deg,
+        "Frames whose headings differ more show different places, in degrees.", at_least(0));
+  visit("ignore_radius_m", options.ignore_radius_m,
+        "Frames beyond radius_m and within this distance are ignored, in m.", at_least(0));
+  visit("train_step", options.train_step, "Training frames per query frame, for aligned.",
+        above(0));
+  visit("matrix_rows", options.matrix_rows, "Rows of the matrix.");
+  visit("max_difference_s", options.max_difference_s,
+        "Largest difference between a frame and its pose, in seconds; auto: 0.02, for gps 1.",
+        at_least(0));
+  visit("offset_s", options.query.offset_s, "Added to the times of query frames, in seconds.");
+  visit("train_offset_s", options.train.offset_s,
+        "Added to the times of training frames, in seconds.");
 }
 
 /// A query frame and a training frame of the same place, by the frames of their recordings.
@@ -124,6 +132,9 @@ struct Dataset {
 /// Error(usage) if it is not a data set description or has an unknown key, with the nearest known
 /// one.
 Dataset read_dataset(const std::filesystem::path& path);
+
+/// The schema of a data set file, for docs/schemas.
+Json dataset_schema();
 
 /// The query with this name, or the only one. Throws Error(usage), which lists the queries.
 const DatasetQuery& select_query(const Dataset& dataset, const std::optional<std::string>& name);

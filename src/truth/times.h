@@ -99,7 +99,7 @@ struct SelectionSettings {
   std::optional<double> recorded_fps;  ///< rate of sequences that do not state it
   std::optional<double> fallback_fps;  ///< rate of sequences without any other source; not a flag
 };
-VPR_FIELDS(SelectionSettings, speed, fps, recorded_fps)
+VPR_FIELDS(SelectionSettings, (speed), (fps), (recorded_fps))
 
 /// Throws Error(usage) for rates out of range.
 void check_rates(const SelectionSettings& settings);

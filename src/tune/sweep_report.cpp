@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "base/json.h"
+#include "base/json_schema.h"
 #include "base/text.h"
-#include "evaluate/report.h"
+#include "evaluate/report_fields.h"
 #include "present/evaluation_text.h"
 #include "present/summary.h"
 #include "recordings/sequence_json.h"
@@ -15,54 +15,145 @@
 namespace vpr {
 namespace {
 
-Json interval_json(const Interval& interval) { return {interval.low, interval.high}; }
+/// A cell of a grid on one query.
+struct SweepCell {
+  std::string query;
+  std::string window_symbol = "c_l";
+  std::string threshold_symbol = "t_r";
+  CellCounts cell;
+};
 
-Json named_cell_json(const std::string& query, const CellCounts& cell, const Sweep& sweep) {
-  Json json = {{"query", query},
-               {std::string(sweep.score->window_symbol), cell.window},
-               {sweep.threshold_symbol, cell.threshold ? Json(*cell.threshold) : Json("auto")}};
-  if (cell.scale) json["t_r_scale"] = enum_name(*cell.scale);
-  json["counts"] = counts_json(cell.counts);
-  if (cell.unknown_place) json["unknown_place"] = *cell.unknown_place;
-  const BestMatchCounts& best = cell.counts.best_match;
-  json["best_match"] = {
-      {"frames", best.frames}, {"correct", best.correct}, {"incorrect", best.incorrect}};
-  return json;
+template <class Visitor>
+void visit_fields(SweepCell& of, Visitor&& visit) {
+  CellCounts& cell = of.cell;
+  visit("query", of.query, "Name of the query.");
+  visit(of.window_symbol, cell.window,
+        "Window length in frames; c_w of FAB-MAP: consecutive frames.", at_least(1));
+  visit(of.threshold_symbol,
+        CustomField{
+            [&](Json& json, const std::string& key) { json[key] = value_to_json(cell.threshold); },
+            [](const Fields&, const std::string&) {}},
+        "Threshold of recognitions, or required margin.", kAs<InForce<std::optional<double>>>);
+  visit("t_r_scale", IfSet{cell.scale}, "Scale of t_r.");
+  visit("counts", cell.counts, "Counts of matches and places by ground truth.");
+  visit("unknown_place", IfSet{cell.unknown_place},
+        "Query windows that would be recognitions if their place were not trained.");
+  BestMatchCounts& best = cell.counts.best_match;
+  visit("best_match", NestedObject{[&](auto&& inner) {
+          inner("frames", best.frames, "Query frames with a match in the ground truth.");
+          inner("correct", best.correct, "Frames whose best match is correct.");
+          inner("incorrect", best.incorrect, "Frames whose best match is incorrect.");
+        }},
+        "Query frames by the verdict on their best match, whatever its score.");
+}
+
+using Ends = std::array<double, 2>;
+
+struct ReportedIntervals {
+  size_t block = 1;
+  Ends correct_recognitions = {}, incorrect_recognitions = {};
+  std::optional<Ends> correct_clusters, incorrect_clusters;
+};
+
+template <class Visitor>
+void visit_fields(ReportedIntervals& intervals, Visitor&& visit) {
+  visit("block", intervals.block, "Windows per block.", at_least(1));
+  visit("correct_recognitions", intervals.correct_recognitions, "Correct recognitions.");
+  visit("incorrect_recognitions", intervals.incorrect_recognitions, "Incorrect recognitions.");
+  visit("correct_clusters", IfSet{intervals.correct_clusters}, "Correct places.");
+  visit("incorrect_clusters", IfSet{intervals.incorrect_clusters}, "Incorrect places.");
+}
+
+/// A query, and the conclusion from its cells.
+struct SweepQuery {
+  std::string name, ground_truth, reason;
+  Json recommended_settings;
+  Recommendation choice;  ///< with indices of all cells
+  Selection selection;
+  std::optional<ReportedIntervals> intervals;
+  std::optional<SweepCell> validation;
+};
+
+template <class Visitor>
+void visit_fields(SweepQuery& query, Visitor&& visit) {
+  Recommendation& choice = query.choice;
+  visit("name", query.name, "Name of the query.");
+  visit("ground_truth", query.ground_truth, "Definition, in words.");
+  visit("recommended", choice.cell,
+        "Index in cells: most correct recognitions, and no incorrect recognition up to the next "
+        "looser threshold; null: none.");
+  visit("recommended_settings", Derived{query.recommended_settings},
+        "Settings of the recommended cell, for --config; null: none.", kOrNull);
+  visit("advice", choice.advice, "Why a setting is recommended, or is not.");
+  visit("reason", query.reason, "The advice in words.");
+  visit("near_miss", choice.near_miss,
+        "Index in cells: most correct recognitions without an incorrect one, but the next looser "
+        "threshold has one.");
+  visit("nearest_error", choice.first_error,
+        "Index in cells: strictest threshold with an incorrect recognition.");
+  visit("pareto", choice.pareto,
+        "Indices in cells: settings that no other beats in correct and incorrect recognitions.");
+  visit_fields(query.selection, visit);
+  visit("intervals", IfSet{query.intervals},
+        "95 % intervals of the recommended setting, by the block bootstrap over query windows; "
+        "absent without a recommendation.");
+  visit("validation", IfSet{query.validation}, "Counts on the query of --validate.");
+}
+
+struct SweepFile {
+  std::string method;
+  Json settings;
+  std::vector<SweepCell> cells;
+  std::vector<SweepQuery> queries;
+  Provenance provenance;
+};
+
+template <class Visitor>
+void visit_fields(SweepFile& file, Visitor&& visit) {
+  visit("schema", Derived{schema_name("sweep")});
+  visit("method", file.method, "fastable or fabmap.");
+  visit("settings", file.settings,
+        "Settings that can change the numbers; keys are the names of flags.");
+  visit("cells", file.cells, "One per setting and query.");
+  visit("queries", file.queries, "Queries of the sweep, and the recommended cell of each.");
+  visit("provenance", file.provenance, kProvenanceText);
+}
+
+SweepCell named_cell(const std::string& query, const CellCounts& cell, const Sweep& sweep) {
+  return {query, std::string(sweep.score->window_symbol), sweep.threshold_symbol, cell};
 }
 
 // `first`: the index of the sweep's first cell among those of all sweeps.
-Json choice_json(const Sweep& sweep, size_t first) {
-  const Recommendation& choice = sweep.recommendation;
-  const auto index = [&](const std::optional<size_t>& cell) {
-    return cell ? Json(first + *cell) : Json();
-  };
-  Json json = {
-      {"name", sweep.query.name},
-      {"ground_truth", sweep.protocol},
-      {"recommended", index(choice.cell)},
-      {"recommended_settings",
-       sweep.recommended_settings ? settings_in_force(*sweep.recommended_settings) : Json()},
-      {"advice", enum_name(choice.advice)},
-      {"reason", reason_text(sweep)},
-      {"near_miss", index(choice.near_miss)},
-      {"nearest_error", index(choice.first_error)}};
-  json["pareto"] = Json::array();
-  for (const size_t cell : choice.pareto) json["pareto"].push_back(first + cell);
-  json.update(value_to_json(sweep.query.selection, kDataForm));
-  if (sweep.intervals) {
-    json["intervals"] = {
-        {"block", sweep.intervals->block},
-        {"correct_recognitions", interval_json(sweep.intervals->correct_recognitions)},
-        {"incorrect_recognitions", interval_json(sweep.intervals->incorrect_recognitions)}};
+SweepQuery sweep_query(const Sweep& sweep, size_t first) {
+  SweepQuery query{sweep.query.name,
+                   sweep.protocol,
+                   reason_text(sweep),
+                   {},
+                   sweep.recommendation,
+                   sweep.query.selection,
+                   {},
+                   {}};
+  Recommendation& choice = query.choice;
+  for (std::optional<size_t>* cell : {&choice.cell, &choice.near_miss, &choice.first_error})
+    if (*cell) **cell += first;
+  for (size_t& cell : choice.pareto) cell += first;
+  if (sweep.recommended_settings)
+    query.recommended_settings = settings_in_force(*sweep.recommended_settings);
+  if (const auto& found = sweep.intervals) {
+    const auto ends = [](const Interval& interval) { return Ends{interval.low, interval.high}; };
+    query.intervals = ReportedIntervals{found->block,
+                                        ends(found->correct_recognitions),
+                                        ends(found->incorrect_recognitions),
+                                        {},
+                                        {}};
     if (sweep.cells.front().counts.clusters) {
-      json["intervals"]["correct_clusters"] = interval_json(sweep.intervals->correct_clusters);
-      json["intervals"]["incorrect_clusters"] = interval_json(sweep.intervals->incorrect_clusters);
+      query.intervals->correct_clusters = ends(found->correct_clusters);
+      query.intervals->incorrect_clusters = ends(found->incorrect_clusters);
     }
   }
   if (sweep.validation)
-    json["validation"] =
-        named_cell_json(sweep.validation->query_name, sweep.validation->cell, sweep);
-  return json;
+    query.validation = named_cell(sweep.validation->query_name, sweep.validation->cell, sweep);
+  return query;
 }
 
 bool has_places(const Sweep& sweep) { return sweep.cells.front().counts.clusters.has_value(); }
@@ -186,22 +277,35 @@ std::vector<std::string> distinct_texts(const Sweep& sweep,
 
 Json sweep_json(std::string_view method, const QuerySettings& base,
                 const std::vector<Sweep>& sweeps, const RunInfo& run, double seconds) {
-  Json json = {
-      {"schema", schema_name("sweep")}, {"method", method}, {"settings", settings_in_force(base)}};
+  SweepFile file{std::string(method), settings_in_force(base), {}, {}, provenance_of(run)};
   for (const Sweep& sweep : sweeps)
     for (const std::string& varied :
          {std::string(sweep.score->window_symbol), sweep.threshold_symbol})
-      json["settings"].erase(varied);
-  json["cells"] = Json::array();
-  json["queries"] = Json::array();
+      file.settings.erase(varied);
   for (const Sweep& sweep : sweeps) {
-    json["queries"].push_back(choice_json(sweep, json["cells"].size()));
+    file.queries.push_back(sweep_query(sweep, file.cells.size()));
     for (const CellCounts& cell : sweep.cells)
-      json["cells"].push_back(named_cell_json(sweep.query.name, cell, sweep));
+      file.cells.push_back(named_cell(sweep.query.name, cell, sweep));
   }
-  json["provenance"] = provenance_json(run);
+  Json json = value_to_json(file, kDataForm);
   add_run(json, run, {{"sweep", seconds}});
   return json;
+}
+
+Json sweep_schema() {
+  Json schema = with_run(schema_of<SweepFile>());
+  std::vector<Json> cells;
+  constexpr std::array<std::array<const char*, 2>, 3> kSymbols = {
+      {{"c_l", "t_r"}, {"c_l", "margin"}, {"c_w", "t_p"}}};
+  for (const auto& [window, threshold] : kSymbols) {
+    SweepCell cell{{}, window, threshold, {}};
+    cells.push_back(field_schema(cell, SchemaForm::data));
+  }
+  Json& properties = schema["properties"];
+  properties["cells"]["items"] = {{"anyOf", cells}};
+  properties["queries"]["items"]["properties"]["validation"] = {
+      {"description", "Counts on the query of --validate."}, {"anyOf", cells}};
+  return schema;
 }
 
 std::string config_text(const QuerySettings& settings) {

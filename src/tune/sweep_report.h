@@ -16,6 +16,8 @@ namespace vpr {
 /// sweep, with cells by index. `base`: the settings that all cells share.
 Json sweep_json(std::string_view method, const QuerySettings& base,
                 const std::vector<Sweep>& sweeps, const RunInfo& run, double seconds);
+/// Its schema, for docs/schemas.
+Json sweep_schema();
 
 /// A file for vpr-query --config (vpr.config/3).
 std::string config_text(const QuerySettings& settings);

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/json.h"
+#include "base/json_schema.h"
 #include "base/text.h"
 #include "present/evaluation_text.h"
 #include "present/result_text.h"
@@ -93,12 +93,69 @@ SequenceQuerySettings best_windows(const SequenceDatabase& database,
   return settings_at(grid, cell, settings);
 }
 
-Json counts_json(const FrameCounts& counts) {
-  return {{"frames", counts.path.frames_with_match},
-          {"correct", counts.path.correct},
-          {"incorrect", counts.path.incorrect},
-          {"pairs_incorrect", counts.pairs.incorrect},
-          {"first", or_null(counts.path.first_recognition_frames)}};
+struct TriedQuery {
+  std::string name;
+  size_t frames = 0;
+  Selection selection;
+};
+
+template <class Visitor>
+void visit_fields(TriedQuery& query, Visitor&& visit) {
+  visit("name", query.name, "Name of the query.");
+  visit("frames", query.frames, "Number of frames.", at_least(1));
+  visit_fields(query.selection, visit);
+}
+
+template <class Visitor>
+void visit_counts(FrameCounts& counts, Visitor&& visit) {
+  auto& [path, pairs] = counts;
+  visit("frames", path.frames_with_match, "Query frames with a match in the ground truth.");
+  visit("correct", path.correct, "Frames whose best accepted match is correct.");
+  visit("incorrect", path.incorrect, "Frames whose best accepted match is incorrect.");
+  visit("pairs_incorrect", pairs.incorrect, "Accepted pairs that are incorrect.");
+  visit("first", path.first_recognition_frames,
+        "Frames before the decision on the first correct recognition, of all queries the latest; "
+        "null: a query has none.");
+}
+
+struct TrialInFile {
+  FrameCounts total;
+  std::string name;
+  Json settings;
+  std::vector<FrameCounts> queries;
+};
+
+template <class Visitor>
+void visit_fields(TrialInFile& trial, Visitor&& visit) {
+  visit_counts(trial.total, visit);
+  visit("name", trial.name, "Name of the setting in tables.");
+  visit("settings", trial.settings, "The setting; keys are the names of flags.");
+  visit("queries",
+        NestedList{trial.queries,
+                   [](FrameCounts& counts, auto&& inner) { visit_counts(counts, inner); }},
+        "Counts by query.");
+}
+
+struct TrialsFile {
+  uint64_t max_incorrect = 0;
+  std::vector<TriedQuery> queries;
+  std::vector<TrialInFile> trials;
+  std::optional<size_t> chosen;
+  Json settings;
+  Provenance provenance;
+};
+
+template <class Visitor>
+void visit_fields(TrialsFile& file, Visitor&& visit) {
+  visit("schema", Derived{schema_name("tuning")});
+  visit("max_incorrect", file.max_incorrect, "Most incorrect frames, and pairs, of the choice.");
+  visit("queries", file.queries, "The labeled queries.");
+  visit("trials", file.trials, "One per setting, the simplest and most general rule first.");
+  visit("chosen", file.chosen,
+        "Index in trials: most correct frames with at most max_incorrect incorrect frames and "
+        "pairs; null: none.");
+  visit("settings", file.settings, "Settings of the choice, for --config; null: none.", kOrNull);
+  visit("provenance", file.provenance, kProvenanceText);
 }
 
 void add_counts(Table& table, const std::string& setting, const FrameCounts& counts,
@@ -217,28 +274,22 @@ void choose(Trials& trials) {
 }
 
 Json trials_json(const Trials& trials, const RunInfo& run, double seconds) {
-  Json json = {{"schema", schema_name("tuning")},  {"max_incorrect", trials.max_incorrect},
-               {"queries", Json::array()},         {"trials", Json::array()},
-               {"chosen", or_null(trials.chosen)}, {"settings", nullptr}};
-  for (const Sequence& query : trials.queries) {
-    json["queries"].push_back({{"name", query.name}, {"frames", query.frames}});
-    json["queries"].back().update(value_to_json(query.selection, kDataForm));
-  }
+  TrialsFile file{trials.max_incorrect, {}, {}, trials.chosen, {}, provenance_of(run)};
+  for (const Sequence& query : trials.queries)
+    file.queries.push_back({query.name, query.frames, query.selection});
   std::map<std::string, double> timing = {{"all", seconds}};
   for (const Trial& trial : trials.all) {
-    Json one = counts_json(trial.total());
-    one["name"] = trial.name;
-    one["settings"] = settings_in_force(trial.settings);
-    one["queries"] = Json::array();
-    for (const FrameCounts& counts : trial.counts) one["queries"].push_back(counts_json(counts));
-    json["trials"].push_back(std::move(one));
+    file.trials.push_back(
+        {trial.total(), trial.name, settings_in_force(trial.settings), trial.counts});
     timing[trial.name] = trial.seconds;
   }
-  if (trials.chosen) json["settings"] = settings_in_force(trials.all[*trials.chosen].settings);
-  json["provenance"] = provenance_json(run);
+  if (trials.chosen) file.settings = settings_in_force(trials.all[*trials.chosen].settings);
+  Json json = value_to_json(file, kDataForm);
   add_run(json, run, timing);
   return json;
 }
+
+Json trials_schema() { return with_run(schema_of<TrialsFile>()); }
 
 Table trials_table(const Trials& trials, bool by_query) {
   Table table;

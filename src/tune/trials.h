@@ -68,6 +68,8 @@ std::vector<uint64_t> fitting_lengths(std::vector<uint64_t> lengths,
 
 /// "settings": those of the choice, a configuration for vpr-query --config, or null.
 Json trials_json(const Trials& trials, const RunInfo& run, double seconds);
+/// Its schema, for docs/schemas.
+Json trials_schema();
 
 /// A row per setting, or per setting and query: frames recognized correctly and incorrectly, the
 /// first correctly recognized frame, and the time per frame.

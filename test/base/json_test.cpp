@@ -1,10 +1,12 @@
-#include "base/json.h"
-
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include "base/json_schema.h"
 #include "base/text.h"
 #include "support.h"
+
+using namespace vpr;
+using namespace vpr::test;
 
 namespace {
 
@@ -15,7 +17,7 @@ struct Inner {
 };
 template <class Visitor>
 void visit_fields(Inner& inner, Visitor&& visit) {
-  visit("depth", inner.depth);
+  visit("depth", inner.depth, "meters below ground (default: {})", within(-9, 9));
 }
 
 struct Outer {
@@ -30,8 +32,8 @@ struct Outer {
 };
 template <class Visitor>
 void visit_fields(Outer& outer, Visitor&& visit) {
-  visit("ratio", outer.ratio);
-  visit("limit", outer.limit);
+  visit("ratio", outer.ratio, "Share.", above(0), kRequired);
+  visit("limit", outer.limit, "Most.", kMayBeMissing);
   visit("count", outer.count);
   visit("on", outer.on);
   visit("name", outer.name);
@@ -47,9 +49,6 @@ template <>
 inline constexpr std::array<std::string_view, 2> kEnumNames<Fruit> = {"apple", "pear"};
 }
 
-using namespace vpr;
-using namespace vpr::test;
-
 TEST_CASE("settings survive conversion to JSON and back") {
   Outer outer;
   outer.limit = 0.25;
@@ -60,6 +59,31 @@ TEST_CASE("settings survive conversion to JSON and back") {
   value_from_json(value_to_json(outer), back, "test", "outer");
   CHECK(value_to_json(back).dump() == value_to_json(outer).dump());
   CHECK(value_to_json(Outer{})["limit"] == "auto");
+}
+
+TEST_CASE("the schema of a struct follows from its fields") {
+  const Json schema = schema_of<Outer>(SchemaForm::in_force);
+  const Json& properties = schema["properties"];
+  CHECK(properties["ratio"].dump() ==
+        R"({"description":"Share.","type":"number","exclusiveMinimum":0})");
+  CHECK(properties["limit"].dump() ==
+        R"({"description":"Most.","anyOf":[{"type":"number"},{"const":"auto"}]})");
+  CHECK(properties["count"].dump() == R"({"type":"integer","minimum":0})");
+  CHECK(properties["list"].dump() == R"({"type":"array","items":{"type":"string"}})");
+  CHECK(properties["fruit"].dump() == R"({"enum":["apple","pear"]})");
+  CHECK(properties["inner"]["properties"]["depth"].dump() ==
+        R"({"description":"Meters below ground.","type":"integer","minimum":-9,"maximum":9})");
+  CHECK(schema["required"].dump() == R"(["ratio","count","on","name","list","fruit","inner"])");
+  CHECK(schema_of<Outer>(SchemaForm::partial)["required"].dump() == R"(["ratio"])");
+  CHECK(schema_of<Outer>()["properties"]["limit"]["type"].dump() == R"(["number","null"])");
+}
+
+TEST_CASE("the schema of two forms of a file requires the common keys") {
+  const Json a = schema_of<Inner>();
+  const Json both = merged(schema_of<Outer>(), a);
+  CHECK(both["required"].empty());
+  CHECK(both["properties"].contains("depth"));
+  CHECK(merged(a, a) == a);
 }
 
 TEST_CASE("missing keys leave their fields unchanged") {

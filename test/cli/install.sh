@@ -16,7 +16,7 @@ for program in vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth; do
   ! command -v zsh >/dev/null || zsh -n "$out/share/zsh/vendor-completions/_$program"
   ! command -v fish >/dev/null || fish -n "$out/share/fish/vendor_completions.d/$program.fish"
 done
-for file in copyright README.md changelog.gz schemas/report.schema.json schemas/common.schema.json; do
+for file in copyright README.md changelog.gz schemas/report.schema.json; do
   [[ -s $out/share/doc/vpr-toolkit/$file ]] || { echo "$file is missing"; exit 1; }
 done
 [[ -s $out/share/vpr-toolkit/worlds/small.json ]]

@@ -24,7 +24,9 @@ Trajectory along(const std::vector<double>& xs) {
   return trajectory;
 }
 
-LoopRules within(double radius_m, size_t gap_frames) { return {{radius_m}, {{}, gap_frames}}; }
+LoopRules rules_within(double radius_m, size_t gap_frames) {
+  return {{radius_m}, {{}, gap_frames}};
+}
 
 /// Compares every frame with every earlier one.
 std::vector<bool> reference_frames_with_loop(const Trajectory& trajectory, const LoopRules& rules) {
@@ -52,7 +54,7 @@ TEST_CASE("loops in both directions equal those counted by hand") {
                 {5, 1, 0.7, 4},    // correct, but not its frame's best
                 {4, 2, 0.1, 5},    // duplicate of the first one
                 {3, 0, 0.85, 6}};  // no place in common
-  const LoopJudgment judgment = judge_loops(list, trajectory, within(0.5, 2));
+  const LoopJudgment judgment = judge_loops(list, trajectory, rules_within(0.5, 2));
   CHECK(judgment.has_loop == std::vector<bool>{false, false, false, false, true, true, true});
   CHECK(judgment.repeated == 1);
   CHECK(judgment.count(PlaceLabel::same) == 2);
@@ -70,7 +72,7 @@ TEST_CASE("loops in both directions equal those counted by hand") {
 
 TEST_CASE("bounds of radius and gap are inclusive, and small distances may be good scores") {
   const Trajectory trajectory = along({0, 10, 20, 0.5, 10, 20});
-  LoopRules rules = within(0.5, 1);
+  LoopRules rules = rules_within(0.5, 1);
   rules.gap = {3'000'000'000, 0};
   CHECK(frames_with_loop(trajectory, rules) ==
         std::vector<bool>{false, false, false, true, true, true});
@@ -79,7 +81,7 @@ TEST_CASE("bounds of radius and gap are inclusive, and small distances may be go
         std::vector<bool>{false, false, false, false, true, true});
   rules.gap.nanoseconds = 3'000'000'001;
   CHECK(frames_with_loop(trajectory, rules) == std::vector<bool>(6, false));
-  rules = within(0, 3);
+  rules = rules_within(0, 3);
   rules.order = ScoreOrder::distance;
   LoopList list;
   list.has_scores = true;
@@ -93,18 +95,19 @@ TEST_CASE("bounds of radius and gap are inclusive, and small distances may be go
 TEST_CASE("frames without a pose have no loop, and an empty list finds nothing") {
   Trajectory trajectory = along({0, 5, 0, 0});
   trajectory.poses[2].reset();
-  const LoopJudgment judgment = judge_loops({}, trajectory, within(1, 1));
+  const LoopJudgment judgment = judge_loops({}, trajectory, rules_within(1, 1));
   CHECK(judgment.has_loop == std::vector<bool>{false, false, false, true});
   CHECK_FALSE(judgment.curve);
   CHECK(judgment.longest_missed() == Revisit{3, 3, false});
-  CHECK(judge_loops({}, along({}), within(1, 1)).revisits.empty());
+  CHECK(judge_loops({}, along({}), rules_within(1, 1)).revisits.empty());
 }
 
 TEST_CASE("an invalid radius, or a gap in time without times, is refused") {
   Trajectory trajectory = along({0, 1});
-  CHECK(test::error_kind([&] { judge_loops({}, trajectory, within(-1, 1)); }) == ErrorKind::usage);
+  CHECK(test::error_kind([&] { judge_loops({}, trajectory, rules_within(-1, 1)); }) ==
+        ErrorKind::usage);
   trajectory.times_ns.clear();
-  LoopRules rules = within(1, 1);
+  LoopRules rules = rules_within(1, 1);
   rules.gap.nanoseconds = 1;
   CHECK(test::error_kind([&] { judge_loops({}, trajectory, rules); }) == ErrorKind::usage);
 }
@@ -127,13 +130,13 @@ TEST_CASE("a search in cubes equals comparing all pairs") {
             Pose{{coordinate(), coordinate(), trial % 5 ? 0 : coordinate()}, {}, {}};
     }
     for (const double radius : {0.0, 0.1, 1.0, 1.5}) {
-      LoopRules rules = within(radius, 1 + uniform_below(random, 20));
+      LoopRules rules = rules_within(radius, 1 + uniform_below(random, 20));
       if (trial % 4 == 0) rules.gap.nanoseconds = 55;
       CHECK(frames_with_loop(trajectory, rules) == reference_frames_with_loop(trajectory, rules));
     }
   }
   // Within the radius after rounding, although two cubes are between them.
   const Trajectory rounded = along({-1e-17, 1});
-  CHECK(frames_with_loop(rounded, within(1, 1)) ==
-        reference_frames_with_loop(rounded, within(1, 1)));
+  CHECK(frames_with_loop(rounded, rules_within(1, 1)) ==
+        reference_frames_with_loop(rounded, rules_within(1, 1)));
 }
