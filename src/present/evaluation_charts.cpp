@@ -245,6 +245,48 @@ Chart margin_chart(const Report& report, const Judgment& judgment) {
   return chart;
 }
 
+std::optional<int64_t> frames_off(const GroundTruth& truth, const QueryOutcome& query) {
+  std::optional<int64_t> off;
+  if (!query.best || query.frame >= truth.pairs.size()) return off;
+  const int64_t reference = static_cast<int64_t>(query.best->reference);
+  for (const GroundTruth::Pair& pair : truth.pairs_of(query.frame, query.best->sequence)) {
+    if (pair.label != PlaceLabel::same) continue;
+    const int64_t from = reference - std::clamp<int64_t>(reference, pair.first, pair.last());
+    if (!off || std::abs(from) < std::abs(*off)) off = from;
+  }
+  return off;
+}
+
+Chart frames_off_chart(const Report& report, const Judgment& judgment, const GroundTruth& truth) {
+  Chart chart{"frames-off", evaluation_title(report)};
+  if (report.has_places()) return chart;
+  add_best_matches(chart, judgment, SeriesMark::dot,
+                   [&](const QueryOutcome& query) -> std::optional<double> {
+                     const auto off = frames_off(truth, query);
+                     if (!off || !is_recognized(judgment, query)) return std::nullopt;
+                     return static_cast<double>(*off);
+                   });
+  erase_empty_series(chart);
+  double most = 0;
+  for (const Series& series : chart.series)
+    for (const auto& [frame, off] : series.points) most = std::max(most, std::abs(off));
+  if (most == 0) chart.series.clear();
+  chart.x = frame_axis({{"", 0, 0, 0, judgment.verdicts.size()}}, "query frame", false);
+  chart.y.label = "training frames ahead of the ground truth";
+  chart.y.range = {-most, most};
+  chart.has_cursor = true;
+  chart.width = 1000;
+  return chart;
+}
+
+bool has_matrix(const Evaluation& evaluation) {
+  if (evaluation.matrix) return true;
+  const auto& queries = evaluation.judgment.outcomes.queries;
+  return std::ranges::any_of(evaluation.judgment.recognized, [&](const MatchedFrame& one) {
+    return queries.at(one.query).best != one.match;
+  });
+}
+
 Chart timeline_chart(const Report& report, const Judgment& judgment, const GroundTruth& truth,
                      const Monitor& monitor) {
   const std::vector<FrameBand> bands = frame_bands(judgment.layout);
@@ -329,9 +371,11 @@ void draw_evaluation(const Evaluation& evaluation, const Report& report,
     charts.push_back(recall_chart(report, judgment));
   charts.push_back(tolerance_chart(report, judgment, evaluation.truth));
   charts.push_back(timeline_chart(report, judgment, evaluation.truth, monitor));
+  charts.push_back(frames_off_chart(report, judgment, evaluation.truth));
   charts.push_back(margin_chart(report, judgment));
   for (const Chart& chart : charts)
     if (!chart.series.empty()) draw_chart(in_figure(chart, figure), folder);
+  if (!has_matrix(evaluation)) return;
   Chart chart = matrix_chart(evaluation, report, kMatrixSide, monitor);
   chart.title = evaluation_title(report);
   draw_chart(in_figure(chart, figure), folder);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,6 +54,16 @@ std::vector<ThresholdStep> threshold_steps(const Report& report, const Judgment&
 /// required margin as a line. No series if margins are unknown.
 Chart margin_chart(const Report& report, const Judgment& judgment);
 
+/// Frames from the closest frame of the same place to the best match, in the best match's sequence;
+/// 0 if it is the same place, without the tolerance. Unset without such a frame.
+std::optional<int64_t> frames_off(const GroundTruth& truth, const QueryOutcome& query);
+
+/// frames_off of recognized best matches. No series if none is off, and for places.
+Chart frames_off_chart(const Report& report, const Judgment& judgment, const GroundTruth& truth);
+
+/// Whether a matrix shows more than the timeline: scores, or recognitions besides best matches.
+bool has_matrix(const Evaluation& evaluation);
+
 /// Best matches and ground truth along the query (x) over the frames of all training sequences (y),
 /// with a bar of verdicts below.
 Chart timeline_chart(const Report& report, const Judgment& judgment, const GroundTruth& truth,
@@ -70,8 +81,8 @@ Chart tolerance_chart(const Report& report, const Judgment& judgment, const Grou
 ScoreUnit score_unit(const Report& report);
 
 /// Writes precision-recall, risk-coverage, recall@K (if ranks are known), R@1 by tolerance,
-/// timeline, margins (if known) and matrix as SVG, PDF and PNG into the folder of an output. Throws
-/// Error(output).
+/// timeline, frames off (if some are), margins (if known) and matrix (if has_matrix) as SVG, PDF
+/// and PNG into the folder of an output. Throws Error(output).
 void draw_evaluation(const Evaluation& evaluation, const Report& report,
                      const std::filesystem::path& folder, const FigureSettings& figure,
                      const Monitor& monitor);

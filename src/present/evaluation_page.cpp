@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <set>
 #include <span>
 
@@ -24,9 +25,10 @@ namespace {
 // The files of src/present/html as string constants.
 #include "html_parts.inc"
 
-constexpr size_t kMatrixSide = 800;  // pixels
-constexpr double kPageWidth = 1180;  // of charts along the path
-constexpr size_t kMostPoints = 300;  // of curves in the data
+constexpr size_t kMatrixSide = 800;    // pixels
+constexpr double kPageWidth = 1180;    // of charts along the path
+constexpr size_t kMostPoints = 300;    // of curves in the data
+constexpr size_t kMostPictured = 120;  // queries with images at the slider
 constexpr std::string_view kDisagreements =
     "<button type=\"button\" id=\"next-disagreement\">next disagreement (n)</button>\n"
     "<button type=\"button\" id=\"save-disagreements\">save disagreements.csv</button>";
@@ -63,6 +65,17 @@ std::string figures_html(std::span<const Chart> charts) {
   return html;
 }
 
+std::string matrix_html(const Evaluation& evaluation, const Report& report,
+                        const Monitor& monitor) {
+  Chart matrix = matrix_chart(evaluation, report, kMatrixSide, monitor);
+  matrix.title = "Query frames against training frames";
+  matrix.width = evaluation.matrix ? 900 : 560;
+  return fmt::format(
+      "<section id=\"matrix\"><h2>{}</h2>\n{}<output id=\"cell\" class=\"note\"></output>\n"
+      "</section>\n",
+      evaluation.matrix ? "Scores of all pairs" : "Recognitions of all pairs", figure_html(matrix));
+}
+
 std::string tables_html(const Report& report) {
   if (report.frames.by != JudgedBy::ground_truth) return table_html(places_table(report));
   std::string html;
@@ -72,10 +85,31 @@ std::string tables_html(const Report& report) {
   return html + table_html(summary);
 }
 
-void add_queries(Json& data, const Judgment& judgment) {
+// "Frames off: ...; 2 of 111 recognitions are off, by 7 frames at most".
+Chart off_chart(const Report& report, const Judgment& judgment, const GroundTruth& truth) {
+  Chart chart = frames_off_chart(report, judgment, truth);
+  size_t all = 0;
+  size_t off = 0;
+  double most = 0;
+  for (const Series& series : chart.series)
+    for (const auto& [frame, frames] : series.points) {
+      ++all;
+      off += frames != 0;
+      most = std::max(most, std::abs(frames));
+    }
+  return sized(
+      chart,
+      fmt::format("Frames off: recognitions to the closest frame of the same place. {} of "
+                  "{} {} off, at most {}",
+                  off, all, off == 1 ? "is" : "are", counted(static_cast<size_t>(most), "frame")),
+      kPageWidth, 200);
+}
+
+void add_queries(Json& data, const Judgment& judgment, const GroundTruth& truth) {
   data["matches"] = Json::array();
   data["scores"] = Json::array();
   Json ranks = Json::array();
+  Json off = Json::array();
   std::string recognized(judgment.verdicts.size(), '.');
   for (const QueryOutcome& query : judgment.outcomes.queries) {
     data["matches"].push_back(
@@ -84,9 +118,12 @@ void add_queries(Json& data, const Judgment& judgment) {
         query.best ? Json(fmt::format("{:.6g}", score_of_key(query.key, judgment.outcomes.kind)))
                    : Json());
     ranks.push_back(query.rank.value_or(0));
+    const auto frames = frames_off(truth, query);
+    off.push_back(frames ? Json(*frames) : Json());
     if (is_recognized(judgment, query)) recognized[query.frame] = 'f';
   }
   if (judgment.outcomes.has_ranks) data["ranks"] = ranks;
+  if (!judgment.layout.scope.has_places) data["off"] = off;
   data["recognized"] = recognized;
 }
 
@@ -131,7 +168,8 @@ std::string title_of(const Report& report, const GroundTruthScope& scope) {
 }
 
 /// Values per query, the bands of the charts' axes, and counts by threshold.
-Json page_data(const Report& report, const Judgment& judgment) {
+Json page_data(const Report& report, const Judgment& judgment, const GroundTruth& truth,
+               const FrameImages& images) {
   Json data;
   const ScoreUnit unit = score_unit(report);
   data["best"] = outcome_letters(report.frames.outcomes);
@@ -140,10 +178,12 @@ Json page_data(const Report& report, const Judgment& judgment) {
   data["sequences"] = Json::array();
   for (const auto& train : judgment.layout.scope.sequences)
     data["sequences"].push_back(train.sequence.name);
-  add_queries(data, judgment);
+  add_queries(data, judgment, truth);
+  data["images"] = images_json(images);
   add_sources(data, judgment.layout.scope);
   data["columns"] = value_to_json(column_bands(judgment.layout));
   data["rows"] = value_to_json(row_bands(judgment.layout));
+  data["train"] = value_to_json(frame_bands(judgment.layout));
   data["positives"] = judgment.single_best.positives;
   data["steps"] = Json::array();
   for (const ThresholdStep& step : threshold_steps(report, judgment, kMostPoints))
@@ -160,17 +200,18 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
                             const Monitor& monitor) {
   const Judgment& judgment = evaluation.judgment;
   const GroundTruth& truth = evaluation.truth;
-  const Gallery gallery = make_gallery(judgment, truth, score_unit(report), sources, monitor);
+  const Gallery gallery = make_gallery(judgment, truth, score_unit(report), sources, monitor,
+                                       {.pictured = kMostPictured});
   const Chart timeline = path_chart(evaluation, report, monitor);
   const bool has_path = evaluation.result && evaluation.result->result->path;
   Chart margins = sized(margin_chart(report, judgment),
                         fmt::format("Margin of every best match: difference to the runner-up{}",
                                     has_path ? ", reduced for far paths" : ""),
                         kPageWidth, 240);
-  margins.right = layout_of(timeline, true).names_width;
-  Chart matrix = matrix_chart(evaluation, report, kMatrixSide, monitor);
-  matrix.title = "Query frames against training frames";
-  matrix.width = evaluation.matrix ? 900 : 560;
+  std::array<Chart, 2> below = {off_chart(report, judgment, truth), std::move(margins)};
+  for (Chart& chart : below) chart.right = layout_of(timeline, true).names_width;
+  const std::string matrix =
+      has_matrix(evaluation) ? matrix_html(evaluation, report, monitor) : std::string();
   const std::string settings =
       evaluation.result ? settings_text(*evaluation.result->result) + ". " : "";
   Json json = report_json(report);
@@ -179,26 +220,26 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
   Json& protocol = json["protocol"];
   protocol.erase("ground_truth");                      // the subtitle
   if (truth.is_known) protocol.erase("localization");  // the title of its table
-  return fill_page(kPage, {{"title", html_escaped(title_of(report, judgment.layout.scope))},
-                           {"summary", html_escaped(summary)},
-                           {"subtitle", html_escaped(settings + "Ground truth: " + truth.protocol)},
-                           {"style", palette_css() + std::string(kStyle)},
-                           {"script", std::string(kScript) + std::string(kAnchorScript)},
-                           {"disagreements", truth.is_known ? std::string(kDisagreements) : ""},
-                           {"tables", tables_html(report)},
-                           {"protocol", list_html(protocol)},
-                           {"provenance", list_html(json["settings"]) + list_html(made)},
-                           {"curves", figures_html(curve_charts(report, judgment))},
-                           {"threshold", by_margin(judgment) ? "Margin" : "Threshold"},
-                           {"path", figure_html(timeline) + figures_html({&margins, 1})},
-                           {"matrix_title", evaluation.matrix ? "Scores of all pairs"
-                                                              : "Recognitions of all pairs"},
-                           {"matrix", figure_html(matrix)},
-                           {"gallery_note", html_escaped(gallery.note)},
-                           {"kinds", gallery.kinds},
-                           {"cards", gallery.cards},
-                           {"single", judgment.layout.window_length == 1 ? " single" : ""},
-                           {"data", script_json(page_data(report, judgment))}});
+  return fill_page(kPage,
+                   {{"title", html_escaped(title_of(report, judgment.layout.scope))},
+                    {"summary", html_escaped(summary)},
+                    {"subtitle", html_escaped(settings + "Ground truth: " + truth.protocol)},
+                    {"style", palette_css() + std::string(kStyle)},
+                    {"script", std::string(kScript) + std::string(kAnchorScript)},
+                    {"disagreements", truth.is_known ? std::string(kDisagreements) : ""},
+                    {"tables", tables_html(report)},
+                    {"protocol", list_html(protocol)},
+                    {"provenance", list_html(json["settings"]) + list_html(made)},
+                    {"curves", figures_html(curve_charts(report, judgment))},
+                    {"threshold", by_margin(judgment) ? "Margin" : "Threshold"},
+                    {"path", figure_html(timeline) + figures_html(below)},
+                    {"matrix_link", matrix.empty() ? "" : "<a href=\"#matrix\">Matrix</a> "},
+                    {"matrix", matrix},
+                    {"gallery_note", html_escaped(gallery.note)},
+                    {"kinds", gallery.kinds},
+                    {"cards", gallery.cards},
+                    {"single", judgment.layout.window_length == 1 ? " single" : ""},
+                    {"data", script_json(page_data(report, judgment, truth, gallery.pictured))}});
 }
 
 std::string evaluation_preview(const Evaluation& evaluation, const Report& report,

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "recordings/frames.h"
@@ -44,8 +45,8 @@ std::vector<std::byte> small_jpeg(const cv::Mat& image, int side) {
   return {bytes.begin(), bytes.end()};
 }
 
-constexpr int kThumbnailSide = 128;  // pixels, of strips
-constexpr int kSingleSide = 240;     // of single images
+constexpr int kThumbnailSide = 160;  // pixels, of strips
+constexpr int kSingleSide = 280;     // of single images
 
 std::string strip(const std::string& title, const std::vector<size_t>& frames,
                   const std::map<size_t, Thumbnail>& thumbnails) {
@@ -120,10 +121,37 @@ bool has_descriptors(const SequenceSource& source, const TrainSequence& train,
   return true;
 }
 
-ShownFrames frames_of(const std::vector<GalleryItem>& items, const Judgment& judgment,
-                      size_t strip_length) {
+// Evenly spaced queries, at most `most`, and their best matches.
+ShownFrames pictured_frames(const Judgment& judgment, size_t most) {
+  const auto& queries = judgment.outcomes.queries;
   ShownFrames shown;
   shown.references.resize(judgment.layout.scope.sequences.size());
+  const size_t step = most == 0 ? 0 : (queries.size() + most - 1) / most;
+  for (size_t q = 0; q < queries.size() && step > 0; q += step) {
+    shown.query.insert(queries[q].frame);
+    if (const auto& best = queries[q].best)
+      shown.references[best->sequence].insert(best->reference);
+  }
+  return shown;
+}
+
+// The images of some of the frames.
+FrameImages selected_images(const FrameImages& images, const ShownFrames& shown) {
+  const auto select = [](const std::map<size_t, Thumbnail>& all, const std::set<size_t>& frames) {
+    std::map<size_t, Thumbnail> some;
+    for (const size_t frame : frames)
+      if (const auto found = all.find(frame); found != all.end()) some.insert(*found);
+    return some;
+  };
+  FrameImages some{select(images.query, shown.query), {}};
+  for (size_t s = 0; s < images.references.size(); ++s)
+    some.references.push_back(select(images.references[s], shown.references[s]));
+  return some;
+}
+
+// The frames of cards, added to `shown`.
+ShownFrames frames_of(const std::vector<GalleryItem>& items, const Judgment& judgment,
+                      size_t strip_length, ShownFrames shown) {
   const auto add = [&](std::set<size_t>& frames, size_t anchor) {
     const auto strip = strip_frames(anchor, judgment.layout.window_length, strip_length);
     frames.insert(strip.begin(), strip.end());
@@ -261,6 +289,19 @@ FrameImages read_images(const ShownFrames& frames, const GroundTruthScope& scope
   return images;
 }
 
+Json images_json(const FrameImages& images) {
+  Json json = Json::object();
+  const auto add = [&](const std::string& prefix, const std::map<size_t, Thumbnail>& thumbnails) {
+    for (const auto& [frame, image] : thumbnails)
+      json[fmt::format("{} {}", prefix, frame)] = {
+          image.jpeg.empty() ? "" : "data:image/jpeg;base64," + base64(image.jpeg), image.name};
+  };
+  add("query", images.query);
+  for (size_t s = 0; s < images.references.size(); ++s)
+    add(std::to_string(s), images.references[s]);
+  return json;
+}
+
 FrameSources recorded_frames(const GroundTruthScope& scope, const StoredResult* stored) {
   FrameSources sources{{}, std::vector<std::optional<SequenceSource>>(scope.sequences.size())};
   if (stored == nullptr) return sources;
@@ -288,8 +329,9 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
   std::vector<GalleryItem> items = choose_gallery(judgment, truth, size.cards_of_a_kind);
   if (items.size() > size.cards) items.resize(size.cards);
   const ScoreLayout& layout = judgment.layout;
+  const ShownFrames pictured = pictured_frames(judgment, size.pictured);
   const FrameImages images =
-      read_images(frames_of(items, judgment, size.strip_frames), layout.scope, sources,
+      read_images(frames_of(items, judgment, size.strip_frames, pictured), layout.scope, sources,
                   layout.window_length == 1 ? kSingleSide : kThumbnailSide, monitor);
   const auto frames_at = [&](size_t anchor) {
     return strip_frames(anchor, layout.window_length, size.strip_frames);
@@ -297,6 +339,7 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
   const bool is_judged = judgment.by != JudgedBy::nothing;
   Gallery gallery;
   gallery.kinds = kinds_html(items, judgment);
+  gallery.pictured = selected_images(images, pictured);
   for (const GalleryItem& item : items) {
     const QueryOutcome& outcome = judgment.outcomes.queries[item.query];
     // The best match of a correct one is a true place.
@@ -325,8 +368,8 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
     };
     gallery.cards +=
         strip(fmt::format("query {}", outcome.frame), frames_at(outcome.frame), images.query);
-    add_strip("best match", *outcome.best);
-    if (shows_truth) add_strip("true place", *item.truth);
+    add_strip("match", *outcome.best);
+    if (shows_truth) add_strip("truth", *item.truth);
     gallery.cards += "</article>\n";
   }
   if (items.empty())

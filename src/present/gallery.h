@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.h"
 #include "base/monitor.h"
 #include "evaluate/judgment.h"
 #include "present/matrix_chart.h"
@@ -81,10 +82,15 @@ FrameImages read_images(const ShownFrames& frames, const GroundTruthScope& scope
 /// training sequences of FAB-MAP, whose references are places.
 FrameSources recorded_frames(const GroundTruthScope& scope, const StoredResult* stored);
 
+/// By "query 12" and "0 7" (index of the sequence): a data URL, empty for an unreadable frame, and
+/// the name.
+Json images_json(const FrameImages& images);
+
 struct Gallery {
-  std::string kinds;  ///< HTML elements to select cards
-  std::string note;   ///< a plain sentence
-  std::string cards;  ///< HTML elements
+  std::string kinds;     ///< HTML elements to select cards
+  std::string note;      ///< a plain sentence
+  std::string cards;     ///< HTML elements
+  FrameImages pictured;  ///< of evenly spaced queries and their best matches
 };
 
 /// The number of cards and images of a gallery.
@@ -93,6 +99,7 @@ struct GallerySize {
   size_t cards = std::numeric_limits<size_t>::max();
   size_t strip_frames = 5;     ///< images per match
   bool has_true_place = true;  ///< also shows a correct match of a mistake
+  size_t pictured = 0;         ///< most queries in Gallery::pictured
 };
 
 /// `unit`: of the scores. Throws as make_thumbnails does.

@@ -45,7 +45,8 @@ ChartImage gray_image(const PixelGrid& grid, const std::vector<double>& scores, 
   const double sign = is_distance ? 1 : -1;
   drawn.grays = {sign * best / unit.divisor, sign * worst / unit.divisor};
   drawn.gray_label =
-      fmt::format("{}, from the best to the worst; the worst 1 % are clipped", unit.words);
+      fmt::format("{}, from the best to the worst; the worst 1 % are clipped{}", unit.words,
+                  values.size() < scores.size() ? "; tinted: no score" : "");
   return drawn;
 }
 

@@ -57,7 +57,7 @@ std::vector<FramePair> pairs_of(const Result& result, const PlacePart& part) {
   return pairs;
 }
 
-/// By "query frame", and "sequence frame": a data URL, empty for an unreadable frame, and a name.
+/// As images_json.
 Json images_of(const std::vector<Question>& questions, const GroundTruthScope& scope,
                const FrameSources& sources, const Monitor& monitor) {
   ShownFrames shown;
@@ -68,16 +68,7 @@ Json images_of(const std::vector<Question>& questions, const GroundTruthScope& s
       shown.references[one.sequence].insert(train_frame);
     }
   const int side = questions.size() > kManyQuestions ? kSmallSide : kImageSide;
-  const FrameImages found = read_images(shown, scope, sources, side, monitor);
-  Json images = Json::object();
-  const auto add = [&](const std::string& prefix, const std::map<size_t, Thumbnail>& thumbnails) {
-    for (const auto& [frame, image] : thumbnails)
-      images[fmt::format("{} {}", prefix, frame)] = {
-          image.jpeg.empty() ? "" : "data:image/jpeg;base64," + base64(image.jpeg), image.name};
-  };
-  add("query", found.query);
-  for (size_t s = 0; s < found.references.size(); ++s) add(std::to_string(s), found.references[s]);
-  return images;
+  return images_json(read_images(shown, scope, sources, side, monitor));
 }
 
 /// `data`: the words of the page.

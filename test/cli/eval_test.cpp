@@ -169,7 +169,7 @@ TEST_CASE("images: a page with the frames of both sequences, and plots") {
   const auto outcome = run_ok(eval + "q");
   const std::string page = read_text("e.html");
   CHECK(has(page, "s on q"));
-  CHECK(has(page, "true place references 9: 09.png"));
+  CHECK(has(page, "truth references 9: 09.png"));
   Words plots = {".vpr-files"};
   for (const std::string name :
        {"matrix", "precision-recall", "recall-at", "recall-tolerance", "risk-coverage", "timeline"})

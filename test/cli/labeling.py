@@ -27,8 +27,8 @@ def chart_point(browser, chart, x, y):
     }})()""")
 
 
-def matrix_point(browser, row, column):
-    return chart_point(browser, "matrix", column + 0.5, row + 0.5)
+def match_point(browser, query, reference):
+    return chart_point(browser, "timeline", query + 0.5, reference + 0.5)
 
 
 def set_anchors(browser):
@@ -37,20 +37,22 @@ def set_anchors(browser):
     assert browser.evaluate("document.images.length > 0"), "the images of the run were not found"
     matches = browser.evaluate("window.page.data")["matches"]
     first = next(frame for frame, match in enumerate(matches) if match)
-    browser.call("Input.dispatchMouseEvent", type="mouseMoved",
-                 **dict(zip("xy", matrix_point(browser, 20, 21))))
     browser.click(*chart_point(browser, "timeline", first + 7.5, 10))
     assert browser.evaluate("window.page.at()") == first + 7
     browser.evaluate(f"window.page.go({first})")
-    cell = browser.evaluate("document.getElementById('cell').textContent")
-    assert cell.startswith(f"Query frame {first + 20}, "), cell
+    # The slider shows the images of its frame and of the best match.
+    captions = browser.evaluate("[...document.querySelectorAll('#pair figcaption')].map((one) => one.textContent)")
+    name, match = browser.evaluate("[window.page.data.sequences[0], window.page.data.matches[%d]]" % first)
+    assert captions[0].startswith(f"query {first}: "), captions
+    assert captions[1].startswith(f"best match {name} {match[1]}: "), captions
+    assert browser.evaluate("[...document.querySelectorAll('#pair img')].every((one) => one.naturalWidth > 0)")
     browser.press("a")  # without effect while the block is folded
     browser.evaluate("document.getElementById('anchors').open = true")
     assert browser.evaluate("document.getElementById('save-anchors').disabled")
     # Two anchors by the pointer, one of them undone, and one by the keyboard.
     for row, column in ((2, 3), (20, 21), (30, 34)):
-        browser.click(*matrix_point(browser, row, column))
-    browser.click(*matrix_point(browser, 20, 21))
+        browser.click(*match_point(browser, first + row, first + column))
+    browser.click(*match_point(browser, first + 20, first + 21))
     browser.evaluate(f"window.page.go({first + 39})")
     browser.press("j")
     browser.press("a")

@@ -118,7 +118,7 @@ TEST_CASE("a query by margin recognizes the revisit, and vpr-eval supports eithe
   CHECK(has(html, "required margin"));
   CHECK(has(html, "Recognitions by margin"));
   CHECK(has(html, "least margin in "));
-  CHECK(has(html, "<label for=\"threshold\">Margin</label>"));
+  CHECK(has(html, "<label for=\"threshold\">Margin (line and circle)</label>"));
   CHECK(has(html, "\"asked\":400.0"));
   CHECK_FALSE(has(html, "below the threshold"));
   const auto table = run("vpr-eval r.json --ground-truth truth.csv -v");

@@ -147,6 +147,42 @@ TEST_CASE("curves are steps, so that nothing is interpolated") {
         Points{{0, 1}, {0.25, 1}, {0.25, 0.5}, {0.25, 2.0 / 3}, {0.5, 2.0 / 3}});
 }
 
+TEST_CASE("frames off are the distance to the closest frame of the same place") {
+  GroundTruth truth;
+  truth.pairs = {{{0, 4, PlaceLabel::same, 2}, {0, 9}, {1, 3}}, {{0, 7, PlaceLabel::ignore}}, {}};
+  truth.tolerance_frames = 5;  // without effect
+  const auto off = [&](size_t frame, uint32_t sequence, size_t reference) {
+    QueryOutcome query;
+    query.frame = frame;
+    query.best = {sequence, reference};
+    return frames_off(truth, query);
+  };
+  CHECK(off(0, 0, 1) == -3);
+  CHECK(off(0, 0, 4) == 0);
+  CHECK(off(0, 0, 6) == 0);
+  CHECK(off(0, 0, 8) == -1);
+  CHECK(off(0, 0, 12) == 3);
+  CHECK(off(0, 1, 12) == 9);
+  CHECK(off(0, 2, 3) == std::nullopt);
+  CHECK(off(1, 0, 7) == std::nullopt);  // ignored
+  CHECK(off(2, 0, 7) == std::nullopt);
+  CHECK(frames_off(truth, {}) == std::nullopt);  // no best match
+}
+
+TEST_CASE("a chart of frames off has the recognitions, unless none is off") {
+  const Judgment judgment = walk("CwCW");
+  GroundTruth truth = aligned(judgment);
+  CHECK(frames_off_chart(report_of(judgment, truth), judgment, truth).series.empty());
+  for (uint32_t frame = 0; frame < truth.pairs.size(); ++frame)
+    truth.pairs[frame].push_back({1, frame + 2});
+  const Chart chart = frames_off_chart(report_of(judgment, truth), judgment, truth);
+  REQUIRE(chart.series.size() == 2);
+  using Points = std::vector<std::pair<double, double>>;
+  CHECK(find(chart, Meaning::correct)->points == Points{{2.5, 0}, {4.5, 0}});
+  CHECK(find(chart, Meaning::incorrect)->points == Points{{5.5, -2}});
+  CHECK(chart.y.range == std::pair(-2.0, 2.0));
+}
+
 TEST_CASE("a matrix has axes in frames, a legend and, for scores, a scale") {
   const Judgment judgment = walk("cCwWcCCC");
   const GroundTruth truth = aligned(judgment);

@@ -160,6 +160,7 @@ TEST_CASE("a page has no external references, even with hostile names") {
   Judgment judgment = example("cwcwcw");
   judgment.layout.scope.sequences[0] = {{"</script><script>alert(2)</script>", 6}, true};
   judgment.layout.columns = {{0, 0, 6}};
+  judgment.recognized.push_back({0, {0, 5}});  // not the best match: the page has a matrix
   const GroundTruth truth = example_truth(judgment);
   const Evaluation evaluation = evaluation_of(judgment, truth, "<b>method</b>", "<i>query</i>");
   const SequenceSource sequence = open_sequence({folder.path(), {}});
@@ -202,8 +203,39 @@ std::string page_of(const Judgment& judgment, const GroundTruth& truth,
 
 }  // namespace
 
+TEST_CASE("a page has a matrix only if it shows more than the best matches") {
+  Judgment judgment = example("cccc");
+  judgment.recognized = {{0, *judgment.outcomes.queries[0].best}};
+  const GroundTruth truth = example_truth(judgment);
+  std::string page = page_of(judgment, truth);
+  CHECK_FALSE(test::has(page, "#matrix\""));
+  CHECK_FALSE(test::has(page, "<svg class=\"matrix"));
+  CHECK(test::has(page, "<summary>Set anchors</summary>"));
+  judgment.recognized.push_back({0, {0, 3}});
+  page = page_of(judgment, truth);
+  CHECK(test::has(page, "<a href=\"#matrix\">"));
+  CHECK(test::has(page, "<svg class=\"matrix wide\""));
+}
+
+TEST_CASE("a page has images of evenly spaced queries and of their best matches") {
+  const test::TemporaryFolder folder;
+  for (int i = 0; i < 7; ++i) test::write_image(folder / (std::to_string(i) + ".png"), uint64_t(i));
+  Judgment judgment = example("ccccccc");
+  judgment.outcomes.queries[3].best.reset();
+  const SequenceSource sequence = open_sequence({folder.path(), {}});
+  const Gallery gallery = make_gallery(judgment, example_truth(judgment), {"distance"},
+                                       {sequence, {sequence}}, {}, {.pictured = 3});
+  const Json images = images_json(gallery.pictured);  // frames 0, 3 and 6; frame 3 has no match
+  REQUIRE(images.size() == 5);
+  CHECK(images["query 3"][1] == "3.png");
+  CHECK(images["0 6"][1] == "6.png");
+  CHECK(images["0 6"][0].get<std::string>().starts_with("data:image/jpeg;base64,/9j/"));
+  CHECK(images_json({}).dump() == "{}");
+}
+
 TEST_CASE("a page begins with its summary and states the protocol once") {
   Judgment judgment = example("cwcwcwcw");
+  judgment.recognized.push_back({0, {0, 5}});  // not the best match: the page has a matrix
   GroundTruth truth = example_truth(judgment);
   truth.protocol = "pairs from my desk";
   const std::string page = page_of(judgment, truth);
@@ -229,6 +261,7 @@ TEST_CASE("a timeline counts frames, and its bands have the sequences' names") {
   layout.scope.sequences = {
       {{"monday", 111}, true}, {{"unused", 50}, false}, {{"<tuesday>", 41}, true}};
   layout.columns = {{0, 0, 92}, {2, 92, 22}};
+  judgment.recognized.push_back({19, {0, 30}});  // not the best match: the page has a matrix
   const std::string page = page_of(judgment, example_truth(example("cccccccc", 20)));
   const std::string timeline =
       page.substr(page.find("<svg class=\"timeline wide\""),
@@ -248,6 +281,7 @@ TEST_CASE("the cost of a page depends on its content, not on the claimed number 
   constexpr size_t kClaimed = std::numeric_limits<int32_t>::max();
   judgment.layout.scope.sequences[0].sequence.frames = kClaimed;
   judgment.layout.columns = {{0, 0, kClaimed - 2}};
+  judgment.recognized.push_back({2, {0, 9}});  // not the best match: the page has a matrix
   const std::string page = page_of(judgment, example_truth(judgment));
   CHECK(count_of(page, "2000000000</text>") >= 2);  // on the axes of timeline and matrix
   CHECK(page.size() < 1000000);

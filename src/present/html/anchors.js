@@ -1,4 +1,4 @@
-// Anchors on the matrix, and a list of disagreements, saved as files.
+// Anchors on the chart of best matches, and a list of disagreements, saved as files.
 (() => {
   const { data, count, charts, at, go, axis, pixel, set, place, frameAt } = window.page;
   const byId = (id) => document.getElementById(id);
@@ -33,9 +33,9 @@
   };
 
   const block = byId("anchors");
-  const matrices = charts("matrix");
-  const make = (name) => document.createElementNS(matrices[0].namespaceURI, name);
-  const layers = matrices.map((svg) => svg.appendChild(make("g")));
+  const timelines = charts("timeline");
+  const make = (name) => document.createElementNS(timelines[0].namespaceURI, name);
+  const layers = timelines.map((svg) => svg.appendChild(make("g")));
   const positionOf = (bands, sequence, frame) => {
     const band = bands.find((one) => one.sequence === sequence && frame >= one.first && frame < one.first + one.count);
     return band && band.at + frame - band.first + 0.5;
@@ -43,8 +43,8 @@
   const refresh = () => {
     layers.forEach((layer, i) => layer.replaceChildren(...anchors.map(([query, sequence, frame]) => {
       const circle = make("circle");
-      set(circle, { class: "anchor", r: 6, cx: pixel(axis(matrices[i], "x"), positionOf(data.columns, sequence, frame)),
-        cy: pixel(axis(matrices[i], "y"), positionOf(data.rows, 0, query)) });
+      set(circle, { class: "anchor", r: 6, cx: pixel(axis(timelines[i], "x"), query + 0.5),
+        cy: pixel(axis(timelines[i], "y"), positionOf(data.train, sequence, frame)) });
       return circle;
     })));
     byId("anchored").textContent = `${anchors.length} anchor${anchors.length === 1 ? "" : "s"}.`;
@@ -56,7 +56,7 @@
     anchors = [...anchors.filter((one) => one[0] !== query || one[1] !== sequence), [query, sequence, frame]];
     refresh();
   };
-  matrices.forEach((svg, m) => svg.addEventListener("click", (event) => {
+  timelines.forEach((svg, m) => svg.addEventListener("click", (event) => {
     if (!block.open) return;
     const near = anchors.findIndex((one, i) => {
       const box = layers[m].children[i].getBoundingClientRect();
@@ -67,9 +67,8 @@
       return refresh();
     }
     const [x, y] = place(event, svg);
-    const column = frameAt(data.columns, x);
-    const line = frameAt(data.rows, y);
-    if (column && line) anchor(line[1], ...column);
+    const found = frameAt(data.train, y);
+    if (found && x >= 0 && x < count) anchor(Math.floor(x), ...found);
   }));
 
   const nextWrong = () => {

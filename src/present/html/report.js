@@ -32,12 +32,33 @@
     if (match) parts.push(`best match ${data.sequences[match[0]]} ${match[1]}`, `${words} ${Number((data.scores[i] / divisor).toPrecision(4))}`);
     else parts.push("no best match");
     if (data.judged) parts.push(verdicts[data.best[i]]);
+    const off = data.off?.[i];
+    if (off) parts.push(`${Math.abs(off)} frame${Math.abs(off) === 1 ? "" : "s"} ${off > 0 ? "ahead of" : "behind"} the ground truth`);
     if (match) parts.push(data.recognized[i] === "." ? "not recognized" : "recognized");
     if (data.ranks && data.ranks[i]) parts.push(`the first correct reference has rank ${data.ranks[i]}`);
     return `Frame ${i}: ${parts.join(", ")}.`;
   };
+  // Images of evenly spaced frames, by "query frame" and "sequence frame", and of their best matches.
+  const images = data.images;
+  const pictured = [...Array(count).keys()].filter((i) => images[`query ${i}`]);
+  const picture = (figure, words, found) => {
+    figure.firstElementChild.textContent = found ? `${words}: ${found[1]}` : words;
+    const image = figure.querySelector("img");
+    if (found?.[0]) set(image ?? figure.appendChild(document.createElement("img")), { src: found[0], alt: words });
+    else image?.remove();
+  };
+  const show = (i) => {
+    const near = pictured.reduce((best, one) => (Math.abs(one - i) < Math.abs(best - i) ? one : best));
+    const match = data.matches[near];
+    const [query, best] = byId("pair").children;
+    picture(query, `${near === i ? "" : "nearest frame with an image: "}query ${near}`, images[`query ${near}`]);
+    picture(best, match ? `best match ${data.sequences[match[0]]} ${match[1]}` : "no best match",
+      match && images[`${match[0]} ${match[1]}`]);
+    byId("pair").hidden = false;
+  };
   const say = () => {
     byId("said").textContent = describe(Number(slider.value));
+    if (pictured.length) show(Number(slider.value));
     for (const here of document.querySelectorAll(".here")) {
       const x = pixel(axis(here.ownerSVGElement, "x"), Number(slider.value) + 0.5);
       set(here, { x1: x, x2: x, visibility: "visible" });
@@ -51,7 +72,7 @@
     byId("inspector").hidden = false;
     slider.max = count - 1;
     slider.addEventListener("input", say);
-    for (const svg of [...charts("timeline"), ...charts("margins")])
+    for (const svg of [...charts("timeline"), ...charts("frames-off"), ...charts("margins")])
       svg.addEventListener("click", (event) => go(Math.floor(place(event, svg)[0])));
     say();
   }
