@@ -75,6 +75,7 @@ Report find_report(Session& session, const std::string& path, const TruthSource&
                 path, path);
   EvalFlags flags;
   flags.truth = truth;
+  flags.by.warned_as = path;
   return evaluate(session, flags, {.result = path}).report;
 }
 

@@ -215,8 +215,10 @@ void run_several(Session& session, const EvalFlags& flags, const std::vector<Eva
   const EvalRun run{session, flags, {}, {}, {}};
   RunInfo info = session.run;
   std::vector<Report> reports;
+  EvalFlags row_flags = flags;
   for (const EvalRow& row : rows) {
-    Evaluated evaluated = evaluate(session, flags, row);
+    row_flags.by.warned_as = row.name;
+    Evaluated evaluated = evaluate(session, row_flags, row);
     make_outputs(run, evaluated, given);
     reports.push_back(std::move(evaluated.report));
     info.paths[fmt::format("result_{}", reports.size())] = row.result;

@@ -109,7 +109,7 @@ void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const M
   if (!warning && most_are_incorrect) warning = alignment_warning(evaluation, by, matches);
   if (!warning) return;
   evaluation.warned_of_ground_truth = true;
-  warn(monitor, *warning);
+  warn(monitor, "{}{}", by.warned_as.empty() ? "" : by.warned_as + ": ", *warning);
 }
 
 // A caution about labels of frames that are not a sample, or that were made from these matches.

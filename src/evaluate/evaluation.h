@@ -25,6 +25,7 @@ struct EvaluationSettings {
   NameReader query_names = {};                ///< for a ground truth with names of frames
   std::vector<NameReader> train_names = {};   ///< likewise, by training sequence
   std::string places = {};                    ///< answers to the places of a result; empty: none
+  std::string warned_as = {};                 ///< the matches in warnings; empty: the only ones
 };
 
 template <class Visitor>

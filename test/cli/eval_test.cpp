@@ -126,6 +126,29 @@ TEST_CASE("incorrect recognitions or best matches within a larger tolerance are 
   CHECK(run_ok(eval + "--tolerance 2").err.empty());
 }
 
+TEST_CASE("a warning about one of several results names it") {
+  std::vector<float> train(400);
+  std::vector<float> query(400);
+  for (size_t i = 0; i < 20; ++i) {
+    train[21 * i] = 1;
+    query[20 * i + (i < 18 ? i : i - 2)] = 1;
+  }
+  write_array("train.npy", train, {20, 20});
+  write_array("query.npy", query, {20, 20});
+  run_ok("vpr-train descriptors --train train.npy -o vectors.vprdb --force");
+  const std::string words = "vpr-query vectors.vprdb --query query.npy --c-l 1 --t-r 0.1 --force ";
+  run_ok(words + "-o a.json");
+  run_ok(words + "-o b.json");
+  const std::string by = " --ground-truth aligned ";
+  const std::string one = run_ok("vpr-eval a.json" + by).err;
+  REQUIRE(one.starts_with("warning: all 2 incorrect"));
+  const std::string sentence = one.substr(9);
+  CHECK(run_ok("vpr-eval a.json b.json --name first --name second" + by).err ==
+        "warning: first: " + sentence + "warning: second: " + sentence);
+  CHECK(run_ok("vpr-eval compare a.json b.json" + by).err ==
+        "warning: a.json: " + sentence + "warning: b.json: " + sentence);
+}
+
 TEST_CASE("a comparison has the name of the query, if any report has it") {
   std::string names;
   for (int i = 0; i < 12; ++i) names += fmt::format("{}.png\n", i);
