@@ -1,9 +1,11 @@
 // Evaluations of results and of score matrices, with their reports.
-#include "base/error.h"
-#include "evaluate/exports.h"
+#include <limits>
+#include <type_traits>
+
 #include "present/comparison_report.h"
 #include "present/evaluation_page.h"
 #include "python/module.h"
+#include "vpr/compare.h"
 
 namespace py = pybind11;
 
@@ -53,11 +55,46 @@ py::array points_of(const Judged& judged) {
   return py::array_t<double>({best.points.size(), size_t{3}}, rows.data());
 }
 
-// A row of CSV per query frame.
-std::string frames_of(const Judged& judged) {
-  const Evaluation& evaluation = judged.evaluation;
-  return kOutcomesHeader +
-         outcomes_csv(evaluation.judgment, judged.report.row_name, evaluation.query().name);
+// Columns with a value per query frame: arrays of numbers, and lists of text.
+py::dict frames_of(const Judged& judged) {
+  const Judgment& judgment = judged.evaluation.judgment;
+  const Outcomes& outcomes = judgment.outcomes;
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  const auto column = [&](const auto& value_of) {
+    using Value = decltype(value_of(outcomes.queries.front()));
+    if constexpr (std::is_arithmetic_v<Value>) {
+      std::vector<Value> values;
+      for (const QueryOutcome& query : outcomes.queries) values.push_back(value_of(query));
+      return py::array_t<Value>(static_cast<py::ssize_t>(values.size()), values.data());
+    } else {
+      py::list values;
+      for (const QueryOutcome& query : outcomes.queries) values.append(value_of(query));
+      return values;
+    }
+  };
+  py::dict columns;
+  columns["frame"] = column([](const auto& query) { return static_cast<int64_t>(query.frame); });
+  columns["sequence"] = column([&](const auto& query) -> std::string {
+    return query.best ? judgment.layout.scope.sequences[query.best->sequence].sequence.name : "";
+  });
+  columns["train_frame"] = column([](const auto& query) {
+    return query.best ? static_cast<int64_t>(query.best->reference) : int64_t{-1};
+  });
+  columns["score"] = column([&](const auto& query) {
+    return query.best ? score_of_key(query.key, outcomes.kind) : kUnknown;
+  });
+  columns["outcome"] = column([](const auto& query) { return enum_name(query.verdict); });
+  columns["has_match"] = column([&](const auto& query) -> std::string_view {
+    if (judgment.by != JudgedBy::ground_truth) return "";
+    return query.has_match ? "yes" : "no";
+  });
+  columns["recognition"] =
+      column([&](const auto& query) { return enum_name(judgment.verdicts[query.frame]); });
+  columns["rank"] = column([](const auto& query) {
+    return query.rank ? static_cast<int64_t>(*query.rank) : int64_t{-1};
+  });
+  columns["margin"] = column([&](const auto& query) { return query.margin.value_or(kUnknown); });
+  return columns;
 }
 
 /// Reports side by side, as vpr-eval compare.
@@ -70,36 +107,11 @@ struct Compared {
   std::string latex() const { return comparison_tables(sets, TableFormat::latex); }
 };
 
-// `texts`: report files, named `names`.
 std::shared_ptr<Compared> compare(Call& call, const std::vector<std::string>& texts,
                                   const std::vector<std::string>& names) {
   const auto made = std::make_shared<Compared>();
   call.run([&](const Monitor& monitor) {
-    ComparisonSettings settings;
-    NestedObject own{[&](auto&& visit) {
-      visit("block", settings.block);
-      visit("recall_at", settings.recall_at);
-      visit("common", settings.only_common);
-      visit("allow_different", settings.omit_disputed);
-    }};
-    call.keywords.read(own);
-    if (texts.size() < 2) throw Error(ErrorKind::usage, "a comparison needs two or more reports");
-    settings.seed = call.keywords.process.seed;
-    std::vector<Report> reports;
-    for (size_t r = 0; r < texts.size(); ++r) {
-      const std::optional<Json> json = parse_json(texts[r]);
-      reports.push_back(parse_report(json ? *json : Json(), names[r]));
-    }
-    made->sets = by_data_set(std::move(reports), names);
-    for (ComparisonReport& set : made->sets) {
-      if (compare_ground_truths(set.reports) == GroundTruths::different && !settings.omit_disputed)
-        throw Error(ErrorKind::data,
-                    "the reports have different ground truths. Evaluate all results with one of "
-                    "them, or pass allow_different=True");
-      set.settings = settings;
-      compare_reports(set, monitor);
-      set.made_by = provenance_of(run_of("vpr-eval", {call.keywords.function}, settings.seed));
-    }
+    made->sets = calls::compare(call.keywords, texts, names, monitor);
   });
   return made;
 }

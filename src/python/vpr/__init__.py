@@ -14,10 +14,8 @@ subclasses of Error.
 # mypy: no-warn-return-any
 from __future__ import annotations
 
-import csv as _csv
 import html as _html
 import importlib as _importlib
-import io as _io
 import json as _json
 import os
 import re
@@ -174,15 +172,10 @@ class Report(Fields):
         >>> report.frames()[["frame", "train_frame", "outcome"]][7].item()
         (7, 7, 'correct')
         """
-        rows = list(_csv.DictReader(_io.StringIO(self._made.frames())))
-        missing: dict[str, Any] = {"frame": -1, "sequence": "", "train_frame": -1, "score": np.nan,
-                                   "outcome": "", "has_match": "", "recognition": "", "rank": -1,
-                                   "margin": np.nan}
-        columns = {name: np.array([row[name] or none for row in rows], type(none))
-                   if isinstance(none, str) else
-                   np.array([type(none)(row[name] or none) for row in rows], type(none))
-                   for name, none in missing.items()}
-        table = np.empty(len(rows), [(name, column.dtype) for name, column in columns.items()])
+        columns = {name: np.array(values, str) if isinstance(values, list) else values
+                   for name, values in self._made.frames().items()}
+        table = np.empty(len(columns["frame"]),
+                         [(name, column.dtype) for name, column in columns.items()])
         for name, column in columns.items():
             table[name] = column
         return table
