@@ -13,9 +13,9 @@ namespace vpr {
 
 namespace {
 
-constexpr size_t kFewest = 4;     // one recognized frame in four tells the cause
-constexpr size_t kEnough = 2;     // one recognized frame in two needs no advice
-constexpr size_t kSlowStart = 4;  // paths of keyframes before the first decision, at most
+constexpr size_t kFewest = 4;        // one recognized frame in four tells the cause
+constexpr double kEnough = 2.0 / 3;  // share of recognized frames that needs no advice
+constexpr size_t kSlowStart = 4;     // paths of keyframes before the first decision, at most
 
 // The mean speed of the longest path, in time if the rates of both sequences are known; nullopt
 // without a path of several frames.
@@ -269,6 +269,7 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
                     kSlowStart * needed)
               : "");
     }
+    if (is_known) return "";
   }
   const auto speed = recognized_speed(forward);
   const bool is_same_speed = !speed || (*speed <= kSameSpeed && *speed >= 1 / kSameSpeed);
@@ -278,8 +279,7 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
 }
 
 bool needs_advice(const Result& result) {
-  return result.path ? kEnough * recognized_windows(result) < result.query.frames
-                     : result.recognitions.empty();
+  return result.path ? recognized_share(result) < kEnough : result.recognitions.empty();
 }
 
 }  // namespace vpr

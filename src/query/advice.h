@@ -15,7 +15,7 @@ SequenceQuerySettings default_filter(const SequenceQuerySettings& settings);
 std::optional<std::string> excess_advice(const Result& result);
 
 /// Whether a result deserves advice: windows without a recognition, or a filter that recognizes
-/// less than half of the frames.
+/// less than two thirds of the frames.
 bool needs_advice(const Result& result);
 
 /// A sentence about a loop query without recognitions, from its settings alone.
@@ -23,8 +23,9 @@ std::string no_recognition_advice(const Result& result);
 
 /// A sentence about a query that needs advice: the number of its frames that default_filter
 /// recognizes, and the speed of its longest path, or the number of frames that walk in the opposite
-/// direction, or with every second or further frame of both sides or of one. The database has
-/// statistics (ensure_statistics). `known`: the result with `settings`, if there is one.
+/// direction, or with every second or further frame of both sides or of one. `known`: the result
+/// with `settings`, if there is one; if these are the default and nothing else helps, the answer is
+/// empty. The database has statistics (ensure_statistics).
 std::string filter_advice(const SequenceDatabase& database, const DescriptorSet& query,
                           const SequenceQuerySettings& settings, const QueryResources& resources,
                           const Monitor& monitor, const Result* known = nullptr);

@@ -90,6 +90,31 @@ TEST_CASE("the filter distinguishes another speed from another place") {
             "With default settings (--method filter, margin 14), 1"));
 }
 
+TEST_CASE("a filter that recognizes two thirds of the frames needs no advice") {
+  Result result;
+  result.path.emplace();
+  result.query.frames = 9;
+  for (uint32_t j = 0; j < 5; ++j) result.recognitions.push_back({j, 0, j, 0, 100});
+  CHECK(needs_advice(result));
+  result.recognitions.push_back({5, 0, 5, 0, 100});
+  CHECK_FALSE(needs_advice(result));
+}
+
+TEST_CASE("advice does not repeat a query with default settings that recognizes its part") {
+  const test::Example walk = test::make_example({160}, 0, 3);
+  const test::Example other = test::make_example({100}, 0, 9);
+  std::vector<LdbCode> frames(walk.train[0].begin(), walk.train[0].begin() + 80);
+  frames.insert(frames.end(), other.train[0].begin(), other.train[0].end());
+  SequenceDatabase database = test::make_database({walk.train[0]});
+  ensure_statistics(database, {});
+  const DescriptorSet query = test::make_query(frames);
+  const PreparedDatabase prepared = prepare(database, {Filter{}});
+  const Result known =
+      run_query(plan_query(prepared, query, "", {Filter{}}, {}, {}), {}, {}).result;
+  CHECK(filter_advice(database, query, {Filter{}}, {}, {}, &known).empty());
+  CHECK(has(filter_advice(database, query, {Filter{64}}, {}, {}), " of 180 frames are recognized"));
+}
+
 TEST_CASE("without a match of any window, none is compared with a limit") {
   Result result = planned_result(10);
   CHECK(has(no_recognition_advice(result), "below t_r"));
