@@ -133,14 +133,14 @@ void add_describe(Program& program) {
 void add_fabmap(Program& program) {
   auto [command, bench] = add_bench<FabmapBenchSettings>(
       program, "fabmap", "Time FAB-MAP queries by number of places.",
-      "  vpr-bench fabmap --places 1000,10000 --variants fabmap2,fbo",
+      "  vpr-bench fabmap --place-counts 1000,10000 --variants fabmap2,fbo",
       [](const Bench<FabmapBenchSettings>& fabmap, const Session& session) {
         return bench_fabmap(fabmap.settings, session.options.process.seed, session.monitor);
       });
   FabmapBenchSettings& settings = bench.settings;
   add_values(command, "--variants", settings.variants,
              "variants: fabmap2, fbo, lut, fabmap1 (default: all)");
-  add_values(command, "--places", settings.places, "numbers of places");
+  add_values(command, "--place-counts", settings.place_counts, "numbers of places");
   add_values(command, "--words", settings.words, "sizes of the vocabulary");
   add_values(command, "--words-per-frame", settings.words_per_frame, "words per frame");
   add_setting(command, "--count", settings.descriptors,
@@ -191,8 +191,8 @@ void add_realtime(Program& program) {
       .choices("METHOD", {"fastable", "filter"});
   add_setting(command, "--score", settings.score, "window score: raw or zscore (default: raw)");
   add_setting(command, "--rate", settings.rate_hz, "frames per second (default: 10)");
-  add_setting(command, "--frames", settings.frames,
-              "largest number of query frames (default: 100)");
+  add_setting(command, "--query-frames", settings.frames,
+              "number of query frames, at most those of the query (default: 100)");
   add_setting(command, "--c-l", settings.window_length,
               "window length c_l in frames (default: 40)");
 }

@@ -142,9 +142,10 @@ void add_flags(const CommandEntry& command, std::vector<std::string>& known) {
     known.insert(known.end(), flag.names.begin(), flag.names.end());
 }
 
-// "; use --train", for a flag of another command, with its counterpart in this one; empty without.
+// "; use --train", for a flag of another command, or an old name, with its counterpart in this one;
+// empty without.
 std::string counterpart(const std::string& flag, const std::vector<std::string>& known) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kCounterparts = {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kCounterparts = {
       {{"--npy", "--train"},
        {"--npy", "--query"},
        {"--query-npy", "--query"},
@@ -154,7 +155,9 @@ std::string counterpart(const std::string& flag, const std::vector<std::string>&
        {"--latex", "--format latex"},
        {"--markdown", "--format markdown"},
        {"--out", "--output"},
-       {"--gt", "--ground-truth"}}};
+       {"--gt", "--ground-truth"},
+       {"--places", "--place-counts"},
+       {"--frames", "--query-frames"}}};
   for (const auto& [other, own] : kCounterparts)
     if (flag == other && std::ranges::count(known, own.substr(0, own.find(' '))) > 0)
       return fmt::format("; use {}.", own);

@@ -102,7 +102,7 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
 /// Settings of vpr-bench fabmap, which times every variant with every combination of the values.
 struct FabmapBenchSettings {
   std::vector<std::string> variants = {"fabmap2", "fbo", "lut", "fabmap1"};
-  std::vector<uint64_t> places = {10, 100, 1000, 10'000, 100'000};
+  std::vector<uint64_t> place_counts = {10, 100, 1000, 10'000, 100'000};
   std::vector<uint64_t> words = {10'000};
   std::vector<uint64_t> words_per_frame = {200};
   uint64_t pretrain_frames = 1000;
@@ -113,8 +113,9 @@ struct FabmapBenchSettings {
   double frame_ms = 0;                ///< time of a frame's features, included in frames per second
 };
 
-VPR_FIELDS(FabmapBenchSettings, (variants, "Variants to time."), (places, "Numbers of places."),
-           (words, "Vocabulary sizes."), (words_per_frame, "Mean number of words per frame."),
+VPR_FIELDS(FabmapBenchSettings, (variants, "Variants to time."),
+           (place_counts, "Numbers of places."), (words, "Vocabulary sizes."),
+           (words_per_frame, "Mean number of words per frame."),
            (pretrain_frames, "Frames of the tree."),
            (descriptors, "Descriptors that k-means clusters; 0: none."),
            (iterations, "Largest number of k-means steps."),
@@ -159,7 +160,7 @@ void visit_fields(RealtimeBenchSettings& settings, Visitor&& visit) {
   visit("method", settings.method, "Matching method.");
   visit("score", settings.score, "Summands of window scores.");
   visit("rate", settings.rate_hz, "Frame rate of the query.");
-  visit("frames", settings.frames, "Frames of the query at most.");
+  visit("query_frames", settings.frames, "Frames of the query at most.");
   visit("c_l", settings.window_length, "Window length in frames.");
 }
 

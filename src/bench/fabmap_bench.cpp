@@ -22,7 +22,7 @@ constexpr uint64_t kQuerySeed = uint64_t{2} << 40;
 constexpr size_t kCheckedPlaces = 100;
 
 void check_settings(const FabmapBenchSettings& settings) {
-  check_values("places", settings.places, 1, 100'000'000);
+  check_values("place_counts", settings.place_counts, 1, 100'000'000);
   check_values("words", settings.words, 2, 10'000'000);
   check_values("words_per_frame", settings.words_per_frame, 1, 100'000);
   check_values("descriptors", {settings.descriptors}, 0, 100'000'000);
@@ -198,7 +198,7 @@ BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
   BenchResult result{"fabmap", value_to_json(settings)};
   StepCounter counter(
       monitor, "measure",
-      settings.words.size() * settings.words_per_frame.size() * settings.places.size());
+      settings.words.size() * settings.words_per_frame.size() * settings.place_counts.size());
   for (const uint64_t words : settings.words) {
     if (settings.descriptors >= words)
       result.rows.push_back(time_kmeans(settings, words, seed, monitor));
@@ -207,7 +207,7 @@ BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
       const FabmapModel model = make_fabmap_model(tree, {}, WordModel::tree);
       check_variants(model, settings, per_frame, seed);
       const Example pretrain(model, settings.pretrain_frames, per_frame, seed + kPretrainSeed);
-      for (const uint64_t places : settings.places) {
+      for (const uint64_t places : settings.place_counts) {
         const Example example(model, places, per_frame, seed);
         time_queries(result, settings, model, example, pretrain,
                      {{"places", places}, {"words", words}, {"words_per_frame", per_frame}},

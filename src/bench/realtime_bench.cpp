@@ -35,7 +35,7 @@ BenchResult bench_realtime(const std::string& database_path, const SequenceSourc
   if (!(settings.rate_hz > 0 && settings.rate_hz <= 10'000))
     throw Error(ErrorKind::usage, "rate must be above 0 and at most 10000, found {}",
                 settings.rate_hz);
-  if (settings.frames < 1) throw Error(ErrorKind::usage, "frames must be 1 or more, found 0");
+  if (settings.frames < 1) throw Error(ErrorKind::usage, "query_frames must be 1 or more, found 0");
   if (query.kind != SequenceKind::images)
     throw Error(ErrorKind::usage, "{}: is not a folder or list of images",
                 query.argument.path.string());

@@ -99,7 +99,7 @@ TEST_CASE("a database that exceeds the memory is omitted") {
 
 TEST_CASE("FAB-MAP's variants are timed for every number of places") {
   FabmapBenchSettings settings;
-  settings.places = {1, 50};
+  settings.place_counts = {1, 50};
   settings.words = {300};
   settings.words_per_frame = {20};
   settings.pretrain_frames = 40;
@@ -107,7 +107,7 @@ TEST_CASE("FAB-MAP's variants are timed for every number of places") {
   settings.seconds = 1e-3;
   const BenchResult result = bench_fabmap(settings, 1, {});
   CHECK(result.rows.size() == 2 + 2 * (settings.variants.size() + 3));
-  for (const uint64_t places : settings.places)
+  for (const uint64_t places : settings.place_counts)
     for (const char* work : {"posterior", "new place", "query"}) {
       const BenchRow* row =
           find_row(result, work, {{"places", places}, {"words", 300}, {"words_per_frame", 20}});
@@ -121,7 +121,7 @@ TEST_CASE("FAB-MAP's variants are timed for every number of places") {
 TEST_CASE("FAB-MAP's frames per second include the time of a frame's features") {
   FabmapBenchSettings settings;
   settings.variants = {"fabmap1"};
-  settings.places = {1};
+  settings.place_counts = {1};
   settings.words = {300};
   settings.words_per_frame = {20};
   settings.pretrain_frames = 40;

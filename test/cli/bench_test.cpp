@@ -41,7 +41,7 @@ TEST_CASE("training is timed by database size, with its growth") {
 
 TEST_CASE("features of a frame count in frames per second, and images may be given") {
   const Json fabmap = printed_json(
-      "vpr-bench fabmap --places 10 --words 30 --words-per-frame 9 --count 0 --frame-ms 500 "
+      "vpr-bench fabmap --place-counts 10 --words 30 --words-per-frame 9 --count 0 --frame-ms 500 "
       "--variants fabmap2 --seconds 0.001 --json");
   CHECK(fabmap["rows"][1]["values"]["fps"].get<double>() == Approx(2).margin(0.1));
   write_walk("walk", 3, 0);

@@ -59,8 +59,8 @@ vpr-eval tr.json --dataset DATA -o te.json
 vpr-tune fastable thin.vprdb --dataset DATA --query query --fps 4 --c-l 5 --t-r 0.3 -o ts.json
 vpr-bench matching --databases 100 --c-l 5 --query-frames 20 --seconds 0.001 -o b.json
 vpr-bench describe --features orb --frames 1 --seconds 0.001 -o b2.json
-vpr-bench fabmap --places 10 --words 100 --count 0 --variants fabmap2 --seconds 0.001 -o b3.json
-vpr-bench realtime w.vprdb --query building/query --frames 5 --rate 1000 -o b4.json
+vpr-bench fabmap --place-counts 10 --words 100 --count 0 --variants fabmap2 --seconds 0.001 -o b3.json
+vpr-bench realtime w.vprdb --query building/query --query-frames 5 --rate 1000 -o b4.json
 vpr-bench training --databases 200 --descriptor-length 20 -o b5.json
 vpr-bench compare b.json b.json -o bc.json
 END
