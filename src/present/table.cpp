@@ -147,8 +147,14 @@ std::string markdown_table(const Table& table) {
 
 std::string latex_escaped(const std::string& text) {
   std::string escaped;
-  for (const char c : text) {
-    if (std::string_view("&%$#_{}").find(c) != std::string_view::npos)
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    const auto is_one_of = [&](std::string_view some, size_t at) {
+      return at < text.size() && some.find(text[at]) != std::string_view::npos;
+    };
+    if (c == '-' && (i == 0 || is_one_of(" ([", i - 1)) && is_one_of("0123456789", i + 1))
+      escaped += "$-$";
+    else if (is_one_of("&%$#_{}", i))
       escaped += std::string("\\") + c;
     else if (c == '\\')
       escaped += "\\textbackslash{}";
@@ -218,7 +224,17 @@ std::string latex_table(const Table& table) {
   text += fmt::format("\\begin{{tabular}}{{{}}}\n\\toprule\n{}{}\\midrule\n", columns,
                       latex_groups(table), line(names));
   const auto bold = [](const std::string& cell) { return "\\textbf{" + cell + "}"; };
-  for (const auto& row : marked_rows(table, latex_cell, bold)) text += line(row);
+  const auto has_interval = [](const std::string& cell) {
+    return cell.find("\\shortstack") != std::string::npos;
+  };
+  const std::vector<std::vector<std::string>> rows = marked_rows(table, latex_cell, bold);
+  for (const auto& row : rows) {
+    if (&row != &rows.front() && std::ranges::any_of(row, has_interval))
+      text += "\\addlinespace[3pt]\n";
+    // After the end of a row, a bracket begins an argument, and a star a variant.
+    if (row.front().starts_with('[') || row.front().starts_with('*')) text += "{}";
+    text += line(row);
+  }
   return text + "\\bottomrule\n\\end{tabular}\n\\end{table}\n";
 }
 

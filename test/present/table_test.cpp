@@ -78,6 +78,14 @@ TEST_CASE("LaTeX escapes its special characters") {
   CHECK(test::has(text, "x \\& y \\\\"));
 }
 
+TEST_CASE("LaTeX has minus signs, and rows that begin with a bracket or a star") {
+  const Table table{"T", {"of", "n"}, {{"[a]", "-0.5 [-1, 2-3]"}, {"*b", "(-1 to -x)"}}};
+  const std::string text = render_table(table, TableFormat::latex);
+  CHECK(
+      test::has(text, "\n{}[a] & \\shortstack[r]{$-$0.5\\\\{\\scriptsize [$-$1, 2-3]}} \\\\\n"));
+  CHECK(test::has(text, "\n{}*b & ($-$1 to -x) \\\\\n"));
+}
+
 TEST_CASE("a LaTeX table has booktabs rules and a label for references") {
   CHECK(render_table({"fastable on query (pairs, tolerance 3)", {"n"}, {{"1"}}},
                      TableFormat::latex) ==
