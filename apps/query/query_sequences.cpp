@@ -85,14 +85,14 @@ std::string summary(const QueryRun& run, const QueryOptions& options, const Sess
 
 // Advice for few recognitions. The filter needs training sequences and their statistics, which a
 // loop query does not have.
-std::string advice_text(const QueryData& data, const Result& result,
+std::string advice_text(const QueryData& data, const SequenceArgument& images, const Result& result,
                         const QueryResources& resources, const Session& session) {
   if (!needs_advice(result)) return "";
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
   if (settings.past) return wrapped_text(no_recognition_advice(result));
   ensure_statistics(*data.database, session.monitor);
-  return wrapped_text(
-      filter_advice(*data.database, data.query, settings, resources, session.monitor, &result));
+  return wrapped_text(filter_advice(*data.database, data.query, settings, resources,
+                                    session.monitor, &result, &images));
 }
 
 struct NamedSource {
@@ -150,8 +150,8 @@ void query_sequences(Session& session, const QueryOptions& options,
   const QueryResources resources = resources_of(options, session);
   const Stopwatch watch;
   ResultContext context = make_context(options, session);
-  const QueryData data =
-      open_query(inputs_of(options, settings, session), settings, context, monitor);
+  const QueryInputs inputs = inputs_of(options, settings, session);
+  const QueryData data = open_query(inputs, settings, context, monitor);
   context.seconds["describe"] = watch.elapsed_s();
   SavedMatrix matrix;
   const auto observers = [&](const QueryPlan& plan) -> Sinks {
@@ -162,8 +162,9 @@ void query_sequences(Session& session, const QueryOptions& options,
   finish_matrix(matrix, options.matrix, run.result, context, session);
   const Json json = save_result(session, run.result, context);
   save_loops(options, run.result, session);
-  session.print_result(summary(run, options, session), json,
-                       [&] { return advice_text(data, run.result, resources, session); });
+  session.print_result(summary(run, options, session), json, [&] {
+    return advice_text(data, inputs.query.sequence, run.result, resources, session);
+  });
 }
 
 void query_live(Session& session, const QueryOptions& options,

@@ -19,6 +19,13 @@
 namespace vpr {
 namespace {
 
+// The middle part of an image, of a share of its width and height.
+cv::Mat middle_of(const cv::Mat& image, double share) {
+  const int width = std::max(1, cvRound(share * image.cols));
+  const int height = std::max(1, cvRound(share * image.rows));
+  return image({(image.cols - width) / 2, (image.rows - height) / 2, width, height}).clone();
+}
+
 // Writes one descriptor per frame, computed from the gray image, to an array of row_bytes() bytes.
 template <auto describe_gray>
 DescriptorSet describe_by(const DescriptorKind& kind, const SequenceSource& sequence,
@@ -32,7 +39,8 @@ DescriptorSet describe_by(const DescriptorKind& kind, const SequenceSource& sequ
   std::vector<uint8_t>& rows = set.descriptors.owned;
   rows.resize(sequence.files.size() * row_bytes);
   set.sequence = for_each_frame(
-      sequence, format, unreadable, monitor, [&](size_t index, const cv::Mat& image) {
+      sequence, format, unreadable, monitor, [&](size_t index, const cv::Mat& frame) {
+        const cv::Mat image = settings.crop < 1 ? middle_of(frame, settings.crop) : frame;
         const auto row =
             describe_gray(settings.illumination_invariant ? illumination_invariant(image) : image);
         assert(row.size() * sizeof(row[0]) == row_bytes);

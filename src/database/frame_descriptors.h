@@ -19,6 +19,7 @@ namespace vpr {
 struct DescriptorSettings {
   bool illumination_invariant = false;  ///< decode in color and remove the color of the light first
   double unit = 0;  ///< of coordinates; set by the database (DescriptorStore), not by the user
+  double crop = 1;  ///< the middle part of the width and height to describe; set by advice only
 };
 VPR_FIELDS(DescriptorSettings,
            (illumination_invariant,

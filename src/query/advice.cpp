@@ -5,9 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/text.h"
 #include "query/prepare.h"
 #include "query/train_sequences.h"
+#include "recordings/sequence_source.h"
 
 namespace vpr {
 
@@ -173,6 +175,48 @@ std::string selection_advice(const SequenceDatabase& database, const DescriptorS
       recognized);
 }
 
+// A sentence if a quarter of the frames is recognized with the middle of the images of one side;
+// empty if not, and if the images are many, are descriptors, or have moved.
+std::string crop_advice(const SequenceDatabase& database, const DescriptorSet& query,
+                        const SequenceArgument& images, const SequenceQuerySettings& settings,
+                        const QueryResources& resources, const Monitor& monitor) {
+  constexpr double kCrop = 0.8;
+  constexpr size_t kMost = 1000;  // frames to describe
+  const DescriptorStore& store = database.descriptors;
+  if (store.kind->is_imported || query.rows().size() > kMost) return "";
+  const Monitor silent = {{}, {}, monitor.stop};
+  const auto advice = [](const Result& found, std::string_view side, std::string_view other) {
+    if (kFewest * recognized_windows(found) < found.query.frames) return std::string();
+    return fmt::format(
+        "With the middle {:g} % of the {} images, {} are recognized: they show more than the {} "
+        "images. Crop them, or use the same lens and zoom.",
+        100 * kCrop, side, recognized_text(found), other);
+  };
+  SequenceTrainSettings cropped;
+  cropped.descriptor_kind = store.kind->name;
+  cropped.descriptor = database.descriptor;
+  cropped.descriptor.crop = kCrop;
+  cropped.skip_unreadable = true;
+  try {
+    SequenceDatabase like;
+    like.descriptor = cropped.descriptor;
+    like.descriptors.kind = store.kind;
+    like.descriptors.unit = store.unit;
+    const DescriptorSet middle = describe_frames(open_sequence(images), like, true, silent);
+    const std::string text =
+        advice(filtered(database, middle, settings, resources, monitor), "query", "training");
+    if (!text.empty() || store.rows().size() > kMost) return text;
+    std::vector<NamedArgument> sequences;
+    for (const TrainSequence& train : database.sequences)
+      sequences.push_back({train.sequence.name, parse_sequence_argument(train.path)});
+    const SequenceDatabase narrow = train_sequences(sequences, cropped, silent);
+    return advice(filtered(narrow, query, settings, resources, monitor), "training", "query");
+  } catch (const Error& error) {  // the images have moved
+    if (error.kind() == ErrorKind::interrupted) throw;
+    return "";
+  }
+}
+
 }  // namespace
 
 SequenceQuerySettings default_filter(const SequenceQuerySettings& settings) {
@@ -227,7 +271,8 @@ std::string no_recognition_advice(const Result& result) {
 
 std::string filter_advice(const SequenceDatabase& database, const DescriptorSet& query,
                           const SequenceQuerySettings& settings, const QueryResources& resources,
-                          const Monitor& monitor, const Result* known) {
+                          const Monitor& monitor, const Result* known,
+                          const SequenceArgument* images) {
   constexpr double kSameSpeed = 1.2;  // and its inverse
   const bool is_known = known != nullptr &&
                         settings_in_force(settings) == settings_in_force(default_filter(settings));
@@ -256,6 +301,10 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
         !text.empty())
       return text;
     if (kFewest * recognized_windows(forward) < frames) {
+      if (images != nullptr)
+        if (std::string text = crop_advice(database, query, *images, settings, resources, monitor);
+            !text.empty())
+          return text;
       const size_t fewest = std::min(keyframes, trained);
       return fmt::format(
           "{} matches: not forward, not backward, not at half or twice the speed, not with fewer "

@@ -25,9 +25,11 @@ std::string no_recognition_advice(const Result& result);
 /// recognizes, and the speed of its longest path, or the number of frames that walk in the opposite
 /// direction, or with every second or further frame of both sides or of one. `known`: the result
 /// with `settings`, if there is one; if these are the default and nothing else helps, the answer is
-/// empty. The database has statistics (ensure_statistics).
+/// empty. `images`: the query, to try the middle of its images, and of the training images, if
+/// these are not many; null: unknown. The database has statistics (ensure_statistics).
 std::string filter_advice(const SequenceDatabase& database, const DescriptorSet& query,
                           const SequenceQuerySettings& settings, const QueryResources& resources,
-                          const Monitor& monitor, const Result* known = nullptr);
+                          const Monitor& monitor, const Result* known = nullptr,
+                          const SequenceArgument* images = nullptr);
 
 }  // namespace vpr

@@ -2,10 +2,13 @@
 #include "query/advice.h"
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
 
 #include "examples.h"
 #include "queries.h"
 #include "query/prepare.h"
+#include "query/train_sequences.h"
 #include "support.h"
 
 using namespace vpr;
@@ -113,6 +116,35 @@ TEST_CASE("advice does not repeat a query with default settings that recognizes 
       run_query(plan_query(prepared, query, "", {Filter{}}, {}, {}), {}, {}).result;
   CHECK(filter_advice(database, query, {Filter{}}, {}, {}, &known).empty());
   CHECK(has(filter_advice(database, query, {Filter{64}}, {}, {}), " of 180 frames are recognized"));
+}
+
+TEST_CASE("images that show more than those of the other sequence are named") {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path laps = test::source_path("data/example");
+  // The middle of the images of a lap.
+  const auto middle = [&](const std::string& lap, double share) {
+    const std::string name = fmt::format("{} {}", lap, share);
+    std::filesystem::create_directory(folder / name);
+    for (const auto& file : std::filesystem::directory_iterator(laps / lap)) {
+      const cv::Mat image = cv::imread(file.path().string(), cv::IMREAD_GRAYSCALE);
+      const int width = cvRound(share * image.cols);
+      const int height = cvRound(share * image.rows);
+      const cv::Rect part((image.cols - width) / 2, (image.rows - height) / 2, width, height);
+      cv::imwrite((folder / name / file.path().stem().string()).string() + ".png", image(part));
+    }
+    return folder / name;
+  };
+  const auto found = [](const std::filesystem::path& train, const std::filesystem::path& walk) {
+    SequenceDatabase database = train_sequences({{"train", {train, {}}}}, {}, {});
+    const SequenceArgument images{walk, {}};
+    const DescriptorSet query = describe_frames(open_sequence(images), database, false, {});
+    return filter_advice(database, query, {Filter{}}, {}, {}, nullptr, &images);
+  };
+  CHECK(found(laps / "monday", middle("tuesday", 0.7))
+            .starts_with("With the middle 80 % of the training images, "));
+  CHECK(has(found(middle("monday", 0.5), laps / "tuesday"),
+            " of 40 frames are recognized: they show more than the training images. Crop them, or "
+            "use the same lens and zoom."));
 }
 
 TEST_CASE("without a match of any window, none is compared with a limit") {
