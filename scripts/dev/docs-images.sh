@@ -37,7 +37,7 @@ cd "$work/example"
 "$bin/vpr-query" corridor.vprdb --query tuesday -o result.json --quiet
 "$bin/vpr-eval" result.json --ground-truth pairs.csv --html page.html --quiet
 if command -v chromium >/dev/null; then
-  chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1280,1560 \
+  chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=1280,1470 \
     --screenshot="$work/page.png" "file://$work/example/page.html" >/dev/null 2>&1
   /usr/bin/python3 -c 'import sys; from PIL import Image; Image.open(sys.argv[1]).convert("RGB").save(sys.argv[2], quality=80)' \
     "$work/page.png" "$images/page.jpg"
