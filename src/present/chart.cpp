@@ -259,6 +259,11 @@ void erase_empty_series(Chart& chart) {
   std::erase_if(chart.series, [](const Series& series) { return series.points.empty(); });
 }
 
+void name_borders(Chart& chart) {
+  if (chart.x.bands.size() > 1 || chart.y.bands.size() > 1)
+    chart.series.push_back(series_of(Meaning::divider, SeriesStyle::line));
+}
+
 ChartImage chart_image(const cv::Mat& image, size_t cells) {
   const auto times = [&](int pixels) {
     const int longer = std::max(image.cols, image.rows);

@@ -150,6 +150,9 @@ struct Chart {
 
 void erase_empty_series(Chart& chart);
 
+/// Adds an entry of the legend for the lines between bands of an axis, if there are any.
+void name_borders(Chart& chart);
+
 /// SVG elements for an HTML page, without title and legend: one that is readable on a phone and,
 /// for a wider chart, one for wide screens; the style sheet shows one of them. Their classes are
 /// those of the style sheet, including the palette. Marks at the same position are drawn once,

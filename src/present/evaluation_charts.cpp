@@ -301,6 +301,7 @@ Chart timeline_chart(const Report& report, const Judgment& judgment, const Groun
                      return static_cast<double>(position_of(bands, *query.best)) + 0.5;
                    });
   erase_empty_series(chart);
+  name_borders(chart);
   chart.runs = verdict_stretches(judgment.verdicts);
   chart.has_cursor = true;
   chart.width = 1000;

@@ -242,6 +242,7 @@ Chart matrix_chart(const Judgment& judgment, const GroundTruth& truth, const Pix
   chart.series = recognized_boxes(judgment, truth, grid, monitor);
   chart.series.insert(chart.series.begin(), truth_outline(layout, truth, grid, monitor));
   erase_empty_series(chart);
+  name_borders(chart);
   chart.width = 1320;  // the largest image and its labels
   return chart;
 }

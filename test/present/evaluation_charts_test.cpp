@@ -169,6 +169,16 @@ TEST_CASE("frames off are the distance to the closest frame of the same place") 
   CHECK(frames_off(truth, {}) == std::nullopt);  // no best match
 }
 
+TEST_CASE("lines between training sequences are in the legend") {
+  const Judgment judgment = walk("CwCW");
+  const GroundTruth truth = aligned(judgment);
+  const Chart chart = timeline_chart(report_of(judgment, truth), judgment, truth);
+  CHECK(has(legend_html(chart), "border of sequences"));
+  CHECK(has(svg_file({chart}), ">border of sequences</text>"));
+  const Judgment one = test::judgment_of("CwCW", 3, {{{"monday", 30}}});
+  CHECK_FALSE(has(legend_html(timeline_chart(report_of(one, truth), one, truth)), "border"));
+}
+
 TEST_CASE("a chart of frames off has the recognitions, unless none is off") {
   const Judgment judgment = walk("CwCW");
   GroundTruth truth = aligned(judgment);
