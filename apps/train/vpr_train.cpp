@@ -71,6 +71,10 @@ void add_images(Program& program) {
               "window length c_l of the automatic thresholds (default: 40)");
   add_setting(command, "--safety-factor", settings.safety_factor,
               "factor of the automatic thresholds (default: 1)");
+  add_setting(
+      command, "--features", settings.features,
+      "kind of the features of keyframes, for vpr-query --witness: orb or none (default: none)",
+      "Local features");
   command.add_flag("--illumination-invariant", settings.descriptor.illumination_invariant,
                    "decode in color and remove the color of the light");
   add_unreadable_flag(command, settings.skip_unreadable);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cstring>
+#include <map>
 #include <mutex>
 #include <tuple>
 #include <utility>
@@ -26,35 +27,88 @@ cv::Mat middle_of(const cv::Mat& image, double share) {
   return image({(image.cols - width) / 2, (image.rows - height) / 2, width, height}).clone();
 }
 
+/// Finds the features of chosen frames. Frames arrive in any order from several threads; their
+/// images are kept until all frames before them have arrived.
+class FeatureFinder {
+ public:
+  explicit FeatureFinder(const FeatureChoice& choose) : choose_(choose) {}
+
+  /// An empty `gray`: an unreadable frame.
+  void take(size_t frame, const cv::Mat& gray, DescriptorRow descriptor) {
+    if (!choose_) return;
+    Arrived arrived{gray.empty() ? gray : working_image(gray), {}};
+    arrived.descriptor.assign(descriptor.begin(), descriptor.end());
+    std::vector<std::pair<uint32_t, cv::Mat>> chosen;
+    {
+      const std::lock_guard lock(mutex_);
+      waiting_.emplace(frame, std::move(arrived));
+      for (; !waiting_.empty() && waiting_.begin()->first == next_; ++next_) {
+        const auto& [working, row] = waiting_.begin()->second;
+        if (!working.empty() && choose_(row)) chosen.emplace_back(next_, working);
+        waiting_.erase(waiting_.begin());
+      }
+    }
+    for (const auto& [index, working] : chosen) {
+      std::vector<LocalFeature> features = find_local_features(working);
+      const std::lock_guard lock(mutex_);
+      found_[index] = std::move(features);
+    }
+  }
+
+  KeyframeFeatures result() const {
+    KeyframeFeatures features;
+    for (const auto& [frame, found] : found_) features.append(frame, found);
+    return features;
+  }
+
+ private:
+  struct Arrived {
+    cv::Mat working;
+    std::vector<uint8_t> descriptor;
+  };
+  const FeatureChoice& choose_;
+  std::mutex mutex_;
+  size_t next_ = 0;  ///< the first frame that has not arrived
+  std::map<size_t, Arrived> waiting_;
+  std::map<uint32_t, std::vector<LocalFeature>> found_;
+};
+
 // Writes one descriptor per frame, computed from the gray image, to an array of row_bytes() bytes.
 template <auto describe_gray>
 DescriptorSet describe_by(const DescriptorKind& kind, const SequenceSource& sequence,
                           const DescriptorSettings& settings, Unreadable unreadable,
-                          const Monitor& monitor) {
-  const PixelFormat format = settings.illumination_invariant ? PixelFormat::bgr : PixelFormat::gray;
+                          const FeatureChoice& choose, const Monitor& monitor) {
+  const PixelFormat format = pixel_format(settings);
   const size_t row_bytes = kind.shape.row_bytes();
   std::mutex mutex;  // the length of a video is unknown before its end
   DescriptorSet set;
   set.descriptors.kind = &kind;
   std::vector<uint8_t>& rows = set.descriptors.owned;
   rows.resize(sequence.files.size() * row_bytes);
+  FeatureFinder features(choose);
+  const auto skip = [&](size_t index) { features.take(index, {}, {}); };
   set.sequence = for_each_frame(
-      sequence, format, unreadable, monitor, [&](size_t index, const cv::Mat& frame) {
+      sequence, format, unreadable, monitor,
+      [&](size_t index, const cv::Mat& frame) {
         const cv::Mat image = settings.crop < 1 ? middle_of(frame, settings.crop) : frame;
         const auto row =
             describe_gray(settings.illumination_invariant ? illumination_invariant(image) : image);
         assert(row.size() * sizeof(row[0]) == row_bytes);
+        const DescriptorRow bytes(reinterpret_cast<const uint8_t*>(row.data()), row_bytes);
+        if (choose) features.take(index, in_format(image, PixelFormat::gray), bytes);
         const std::lock_guard lock(mutex);
         if (index >= rows.size() / row_bytes) rows.resize((index + 1) * row_bytes);
         std::memcpy(rows.data() + index * row_bytes, row.data(), row_bytes);
-      });
+      },
+      skip);
+  set.features = features.result();
   rows.resize(set.sequence.frames * row_bytes);  // the last frame of a video may have no image
   return set;
 }
 
 DescriptorSet import_kind(const DescriptorKind& kind, const SequenceSource& sequence,
                           const DescriptorSettings& settings, Unreadable unreadable,
-                          const Monitor& monitor) {
+                          const FeatureChoice&, const Monitor& monitor) {
   return import_descriptors(sequence, kind.name, unreadable, monitor, settings.unit);
 }
 
@@ -84,10 +138,14 @@ constexpr std::array<DescriptorKind, 9> kKinds = {{
 
 }  // namespace
 
+PixelFormat pixel_format(const DescriptorSettings& settings) {
+  return settings.illumination_invariant ? PixelFormat::bgr : PixelFormat::gray;
+}
+
 DescriptorSet DescriptorKind::describe(const SequenceSource& sequence,
                                        const DescriptorSettings& settings, Unreadable unreadable,
-                                       const Monitor& monitor) const {
-  return describe_with(*this, sequence, settings, unreadable, monitor);
+                                       const Monitor& monitor, const FeatureChoice& choose) const {
+  return describe_with(*this, sequence, settings, unreadable, choose, monitor);
 }
 
 std::span<const DescriptorKind> descriptor_kinds() { return kKinds; }
@@ -143,6 +201,10 @@ DescriptorSet selected(DescriptorSet set, const Selection& selection) {
   for (const uint32_t source : selection.sources)
     result.descriptors.append(rows.subspan(source, 1));
   result.sequence = selected(set.sequence, selection);
+  if (set.features_of)
+    result.features_of = [of = set.features_of, sources = selection.sources](size_t frame) {
+      return of(sources[frame]);
+    };
   return result;
 }
 

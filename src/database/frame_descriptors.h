@@ -10,6 +10,7 @@
 #include "base/monitor.h"
 #include "base/npy.h"
 #include "database/descriptor_rows.h"
+#include "database/keyframe_features.h"
 #include "recordings/frames.h"
 #include "recordings/sequence_source.h"
 
@@ -25,6 +26,9 @@ VPR_FIELDS(DescriptorSettings,
            (illumination_invariant,
             "Convert colors to an illumination-invariant image before description."))
 
+/// The format in which frames are decoded.
+PixelFormat pixel_format(const DescriptorSettings& settings);
+
 struct DescriptorSet;
 
 /// An entry of the table: one kind of descriptor.
@@ -34,14 +38,15 @@ struct DescriptorKind {
   DescriptorShape shape;  ///< length 0 if each set has its own length
   DescriptorSet (*describe_with)(const DescriptorKind& kind, const SequenceSource& sequence,
                                  const DescriptorSettings& settings, Unreadable unreadable,
-                                 const Monitor& monitor);
+                                 const FeatureChoice& choose, const Monitor& monitor);
   bool is_imported = false;  ///< its sequences are arrays of descriptors instead of frames
 
   /// Decodes and describes frames in parallel without keeping them. The result is the same for any
   /// number of threads; the descriptor of an unreadable frame is all zero. Throws as
-  /// for_each_frame or import_descriptors does.
+  /// for_each_frame or import_descriptors does. `choose`: the frames that get features; null: none.
   DescriptorSet describe(const SequenceSource& sequence, const DescriptorSettings& settings,
-                         Unreadable unreadable, const Monitor& monitor) const;
+                         Unreadable unreadable, const Monitor& monitor,
+                         const FeatureChoice& choose = {}) const;
 };
 
 /// All kinds, the default first: LDB.
@@ -74,6 +79,8 @@ struct DescriptorStore {
 struct DescriptorSet {
   DescriptorStore descriptors;
   Sequence sequence;
+  KeyframeFeatures features = {};  ///< of chosen frames; unspecified for frames at a speed
+  FeatureLookup features_of = {};  ///< of a query with a witness
 
   DescriptorRows rows() const { return descriptors.rows(); }
   DescribedFrames span() const { return {rows(), sequence.unreadable}; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include <fmt/format.h>
@@ -51,6 +52,7 @@ struct Manifest {
   std::string descriptor;
   std::optional<uint64_t> length;
   std::optional<double> unit;
+  std::optional<Witness> features;
   std::optional<std::vector<std::array<size_t, 2>>> overlapping_sequences;
   std::optional<std::vector<std::array<uint32_t, 2>>> repeated_places;
 };
@@ -64,6 +66,7 @@ void visit_fields(Manifest& manifest, Visitor&& visit) {
   visit("length", IfSet{manifest.length}, "Dimensions of vectors, or bits.", at_least(1));
   visit("unit", IfSet{manifest.unit}, "Value of the coordinate 1, for points and directions.",
         above(0));
+  visit("features", IfSet{manifest.features}, "Local features of keyframes.");
   visit("settings", database.descriptor, "Description settings.");
   visit("sequences", database.sequences,
         "Training sequences, in the order of their codes; of sequence methods.");
@@ -89,6 +92,8 @@ constexpr const char* kCodesFile = "codes.npy";
 constexpr const char* kFramesFile = "frames.txt";
 constexpr const char* kSourcesFile = "selected_frames.npy";  // selected frames of recordings
 constexpr const char* kStatisticsFile = "statistics.npy";
+constexpr const char* kFeaturesFile = "features.npy";  // of keyframes
+constexpr const char* kFeatureCountsFile = "feature_counts.npy";
 
 std::string one_line(std::string text) {
   std::ranges::replace(text, '\n', ' ');
@@ -233,6 +238,48 @@ TrainStatistics read_statistics(const Archive& archive, size_t frame_count,
   return statistics;
 }
 
+KeyframeFeatures read_features(const Archive& archive, size_t frame_count) {
+  const NpyArray counts = archive.array(kFeatureCountsFile);
+  const auto rows = counts.values<int32_t>(2);
+  const NpyArray features = archive.array(kFeaturesFile);
+  const auto bytes = features.values<uint8_t>(2);
+  KeyframeFeatures read;
+  read.all.resize(features.shape()[0]);
+  if (features.shape()[1] != sizeof(LocalFeature) || counts.shape()[1] != 2)
+    archive.fail("features.npy does not have one row of 40 bytes per feature");
+  if (!bytes.empty()) std::memcpy(read.all.data(), bytes.data(), bytes.size());
+  for (const LocalFeature& feature : read.all)
+    if (!(feature.x >= 0 && feature.x <= kMaxImageSide && feature.y >= 0 &&
+          feature.y <= kMaxImageSide))
+      archive.fail("features.npy has a position out of range");
+  uint64_t end = 0;
+  for (size_t i = 0; i < rows.size(); i += 2) {
+    const int64_t frame = rows[i];
+    const int64_t count = rows[i + 1];
+    if (frame < 0 || static_cast<size_t>(frame) >= frame_count || count < 0 ||
+        (!read.frames.empty() && frame <= read.frames.back()))
+      archive.fail("feature_counts.npy is out of range or order");
+    end += static_cast<uint64_t>(count);
+    if (end > read.all.size()) archive.fail("feature_counts.npy does not fit features.npy");
+    read.frames.push_back(static_cast<uint32_t>(frame));
+    read.ends.push_back(static_cast<uint32_t>(end));
+  }
+  if (end != read.all.size()) archive.fail("feature_counts.npy does not fit features.npy");
+  return read;
+}
+
+void write_features(const KeyframeFeatures& features, ArchiveWriter& writer) {
+  std::vector<int32_t> counts;  // keyframe and number of features, interleaved
+  for (size_t k = 0; k < features.frames.size(); ++k)
+    counts.insert(counts.end(), {static_cast<int32_t>(features.frames[k]),
+                                 static_cast<int32_t>(features.of(k).size())});
+  writer.add_array(kFeatureCountsFile, std::span<const int32_t>(counts),
+                   {features.frames.size(), 2});
+  const std::span<const uint8_t> bytes(reinterpret_cast<const uint8_t*>(features.all.data()),
+                                       features.all.size() * sizeof(LocalFeature));
+  writer.add_array(kFeaturesFile, bytes, {features.all.size(), sizeof(LocalFeature)});
+}
+
 void read_paths(const std::filesystem::path& file, std::vector<TrainSequence>& sequences) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return;
@@ -259,10 +306,12 @@ std::string write_content(const SequenceDatabase& database, ArchiveWriter writer
       values.insert(values.end(), {statistics->bias[i], statistics->variance[i]});
     writer.add_array(kStatisticsFile, std::span<const float>(values), {rows.size(), 2});
   }
+  if (database.features) write_features(*database.features, writer);
   Manifest manifest{const_cast<SequenceDatabase&>(database),  // visited, not changed
-                    std::string(database.descriptors.kind->name), {}, {}, {}, {}};
+                    std::string(database.descriptors.kind->name), {}, {}, {}, {}, {}};
   if (database.descriptors.kind->is_imported) manifest.length = rows.shape.length;
   if (rows.shape.element == ElementType::points16) manifest.unit = database.descriptors.unit;
+  if (database.features) manifest.features = Witness::orb;
   if (database.overlapping_sequences)
     for (auto& pairs = manifest.overlapping_sequences.emplace();
          const auto& [a, b] : *database.overlapping_sequences)
@@ -320,6 +369,11 @@ SequenceDatabase read_sequence_database(const std::filesystem::path& path) {
   database.overlapping_sequences = read_overlapping_sequences(manifest, database.sequences.size());
   if (manifest.has("repeated_places"))
     database.repeated_places = read_repeated_places(manifest, frames);
+  if (manifest.has("features")) {
+    if (manifest.text("features") != enum_name(Witness::orb))
+      archive.fail("its kind of \"features\" is unknown");
+    database.features = read_features(archive, frames);
+  }
   return database;
 }
 

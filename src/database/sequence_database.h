@@ -12,6 +12,7 @@
 
 #include "base/output.h"
 #include "database/frame_descriptors.h"
+#include "database/keyframe_features.h"
 #include "database/train_statistics.h"
 #include "recordings/sequence.h"
 
@@ -70,6 +71,7 @@ struct SequenceDatabase {
   /// Pairs of sequences that show the same place, a < b, increasing; unset before training.
   std::optional<std::vector<std::pair<size_t, size_t>>> overlapping_sequences;
   std::optional<std::vector<RepeatedPlace>> repeated_places;  ///< increasing; unset: unknown
+  std::optional<KeyframeFeatures> features;  ///< of keyframes; unset: they were not computed
   std::string fingerprint;  ///< of a stored database; changes with every bit of content
 };
 

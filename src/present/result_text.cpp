@@ -66,6 +66,23 @@ std::string speed_text(double rate, const Sequence& query, const Sequence& train
                      rate);
 }
 
+// "margin 9.1, contrast 1.7: features decide" for the first recognized frame of a path; empty
+// without a witness.
+std::string witness_text(const Result& result, size_t query_frame) {
+  if (!result.path || result.path->witnessed.empty()) return "";
+  const auto& decided = result.path->witnessed[query_frame];
+  if (!decided) return "";
+  const double least = limit_of(std::get<SequenceQuerySettings>(result.settings).rule).value_or(0);
+  return fmt::format("margin {:.1f}, contrast {}: {} decide", decided->margin,
+                     decided->contrast ? fmt::format("{:.1f}", *decided->contrast) : "unknown",
+                     decided->margin < least ? "features" : "whole frames");
+}
+
+// Both, or the one that is not empty.
+std::string joined(const std::string& a, const std::string& b) {
+  return a.empty() || b.empty() ? a + b : a + ", " + b;
+}
+
 std::vector<RecognizedRange> cluster_ranges(const Result& result) {
   std::vector<RecognizedRange> ranges;
   const size_t length = result.window_length();
@@ -76,7 +93,8 @@ std::vector<RecognizedRange> cluster_ranges(const Result& result) {
     const auto rate = mean_rate(cluster);
     ranges.push_back({anchor_of(cluster.query_first, length), anchor_of(cluster.query_last, length),
                       fmt::format("{} {}", train.name, frames_text(first, last)),
-                      rate ? speed_text(*rate, result.query, train) : ""});
+                      joined(rate ? speed_text(*rate, result.query, train) : "",
+                             witness_text(result, cluster.query_first))});
   }
   for (uint32_t i = 0; i < result.recognitions.size(); ++i)
     ranges[result.clusters->of_recognition[i]].recognitions.push_back(i);
@@ -128,9 +146,9 @@ std::vector<RecognizedRange> recognized_ranges(const Result& result) {
 }
 
 std::string range_text(const Result& result, const RecognizedRange& range) {
-  std::string text = fmt::format("{} {} = {}", result.query.name,
-                                 frames_text(range.query_first, range.query_last), range.train);
-  return range.score.empty() ? text : text + ", " + range.score;
+  return joined(fmt::format("{} {} = {}", result.query.name,
+                            frames_text(range.query_first, range.query_last), range.train),
+                range.score);
 }
 
 std::string ranges_text(const Result& result, std::vector<RecognizedRange> ranges, size_t most,

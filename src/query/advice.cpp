@@ -223,6 +223,7 @@ std::string crop_advice(const SequenceDatabase& database, const DescriptorSet& q
 SequenceQuerySettings default_filter(const SequenceQuerySettings& settings) {
   Filter filter;
   filter.same_place = same_place_of(settings.rule);
+  if (const auto* rule = std::get_if<Filter>(&settings.rule)) filter.witness = rule->witness;
   return {filter, settings.only_sequences, settings.skip_unreadable};
 }
 

@@ -83,6 +83,7 @@ LiveLines::LiveLines(const SequenceDatabase& database, const std::string& query_
                      const Monitor& monitor)
     : database_(database),
       skip_unreadable_(settings.skip_unreadable),
+      choose_(tested_frames(database, settings.rule)),
       query_(database, query_name, settings, resources, monitor) {}
 
 std::optional<LiveAnswer> LiveLines::take(const LiveFrame& frame, const Monitor& monitor) {
@@ -92,7 +93,7 @@ std::optional<LiveAnswer> LiveLines::take(const LiveFrame& frame, const Monitor&
       throw Error(ErrorKind::input, "{}: frame {} cannot be decoded", frame.file.string(),
                   frame.name);
     if (!frame.is_missing())
-      described = describe_frames(frame.sequence(), database_, false, monitor);
+      described = describe_frames(frame.sequence(), database_, false, monitor, choose_);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::input) throw;
     if (std::error_code ignored;
@@ -106,6 +107,7 @@ std::optional<LiveAnswer> LiveLines::take(const LiveFrame& frame, const Monitor&
   if (described) check_descriptors(database_.descriptors, described->descriptors);
   const std::vector<uint8_t> zeros(database_.descriptors.shape().row_bytes());
   ArrivedFrame arrived{described ? described->rows()[0] : zeros, described.has_value()};
+  if (described) arrived.features = described->features.all;
   last_ = {frames_++, frame.name, arrived.is_readable};
   return query_.take(arrived);
 }

@@ -51,6 +51,7 @@ class LiveLines {
  private:
   const SequenceDatabase& database_;
   bool skip_unreadable_;
+  FeatureChoice choose_;
   LiveQuery query_;
   size_t frames_ = 0;
   LineFrame last_;

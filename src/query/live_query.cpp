@@ -23,14 +23,17 @@ LiveQuery::LiveQuery(const SequenceDatabase& database, const std::string& query_
                 "the distances of the last {} frames to {} training frames do not fit --max-memory",
                 length, frames_.raw.train_frames);
   windows_ = window_stage(frames_.scores, {&length, 1}, match);
-  if (by_path != nullptr) decisions_.emplace(by_path->least_margin);
+  if (by_path != nullptr) {
+    decisions_.emplace(by_path->least_margin);
+    witness_ = by_path->witness;
+  }
 }
 
 std::optional<LiveAnswer> LiveQuery::take(const ArrivedFrame& frame) {
   add_frame(frames_, frame);
   readable_frames_ = frame.is_readable ? readable_frames_ + 1 : 0;
   const QueryFrame next{frames_.last_row(), frames_.frames - 1, readable_frames_};
-  if (decisions_) return take_path(next);
+  if (decisions_) return take_path(next, frame);
   RecognitionScan scan(scan_settings(plan_));  // of one window
   std::optional<MarginScan> margins;
   if (plan_.exclusion_zones) margins.emplace(*plan_.exclusion_zones, 1);
@@ -59,11 +62,15 @@ std::optional<LiveAnswer> LiveQuery::take(const ArrivedFrame& frame) {
   return answer;
 }
 
-std::optional<LiveAnswer> LiveQuery::take_path(const QueryFrame& frame) {
+std::optional<LiveAnswer> LiveQuery::take_path(const QueryFrame& frame,
+                                               const ArrivedFrame& arrived) {
   last_.reset();
   if (frame.consecutive_readable == 0) decisions_->end_path();
   windows_(frames_.scores, frame, [&](size_t, std::span<const ScoreRow> row) {
-    const PathReport& report = *row.front().path;
+    PathReport report = *row.front().path;
+    if (witness_)
+      witness_->add_evidence(report, arrived.descriptor,
+                             [features = arrived.features] { return features; });
     last_ = {match_of(report.matches.back(), plan_), shape().score().frame_value(report.margin, 1),
              report.rate, matches_of(decisions_->take(report))};
   });

@@ -12,6 +12,7 @@ namespace vpr {
 struct ArrivedFrame {
   DescriptorRow descriptor;  ///< zeros for an unreadable frame
   bool is_readable = true;
+  std::vector<LocalFeature> features = {};  ///< of a tested frame, with a witness
 };
 
 /// The scores of the latest frame. Only the earlier frames that the score stages need are
@@ -71,9 +72,10 @@ class LiveQuery {
   size_t readable_frames_ = 0;  ///< consecutive ones, up to the latest frame
 
   // With the filter:
-  std::optional<LiveAnswer> take_path(const QueryFrame& frame);
+  std::optional<LiveAnswer> take_path(const QueryFrame& frame, const ArrivedFrame& arrived);
   std::vector<Match> matches_of(const std::vector<Cell>& cells) const;
   std::optional<PathDecisions> decisions_;
+  std::optional<WitnessStage> witness_;
   std::optional<LiveAnswer> last_;  ///< of the latest frame
 };
 

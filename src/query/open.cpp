@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "query/prepare.h"
 #include "query/train_sequences.h"
+#include "query/witness.h"
 
 namespace vpr {
 SequenceDatabase open_database(const std::string& path, const SequenceQuerySettings& settings,
@@ -101,7 +102,8 @@ void warn_of_same_frames(const SequenceDatabase& database, const DescriptorSet& 
 DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
                              const SequenceQuerySettings& settings, const Monitor& monitor) {
   DescriptorSet described =
-      describe_frames(open_sequence(query), database, settings.skip_unreadable, monitor);
+      describe_frames(open_sequence(query), database, settings.skip_unreadable, monitor,
+                      tested_frames(database, settings.rule), FeatureTime::later);
   warn_of_rates(database, described.sequence.fps, settings, monitor);
   warn_of_shapes(database, described.sequence, settings, monitor);
   warn_of_same_frames(database, described, settings, monitor);

@@ -144,7 +144,14 @@ struct DecisionPlanner {
   void operator()(const Filter& rule) const {
     plan_margins(plan, database, rule.margin);
     const double units = std::ceil(rule.margin / plan.result.score().frame_value(1, 1));
-    plan.decision = ByPath{static_cast<uint32_t>(std::max(units, 1.0))};  // 0: no margin yet
+    ByPath decision{static_cast<uint32_t>(std::max(units, 1.0))};  // 0: no margin yet
+    if (FeatureChoice choose = tested_frames(*database.database, rule))
+      decision.witness.emplace(std::make_shared<const TrainWitness>(database), std::move(choose),
+                               decision.least_margin);
+    else
+      std::get<Filter>(std::get<SequenceQuerySettings>(plan.result.settings).rule).witness =
+          Witness::none;
+    plan.decision = std::move(decision);
   }
 };
 
@@ -212,6 +219,7 @@ QueryPlan plan_query(const PreparedDatabase& database, const DescriptorSet& quer
   plan_windows(plan, monitor);
   plan_sequences(plan, database.database->sequences, settings, monitor);
   plan_decision(plan, database, settings, monitor);
+  plan.features_of = query.features_of;
   return plan;
 }
 

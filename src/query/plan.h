@@ -1,6 +1,7 @@
 // A query by a sequence method, resolved before any distance is computed.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -11,6 +12,7 @@
 #include "query/prepare.h"
 #include "query/result.h"
 #include "query/scores.h"
+#include "query/witness.h"
 
 namespace vpr {
 
@@ -24,6 +26,7 @@ struct ByMargin {};
 /// Recognizes the matches of paths with this margin, in units of the filter's values.
 struct ByPath {
   uint32_t least_margin = 0;
+  std::optional<WitnessStage> witness = {};  ///< before the first frame
 };
 
 using QueryDecision = std::variant<ByThreshold, ByMargin, ByPath>;
@@ -41,6 +44,7 @@ struct QueryPlan {
   QueryDecision decision;
   /// For keyframes: the mean distance of training frames, nullopt if unknown.
   std::optional<double> typical_distance;
+  FeatureLookup features_of = {};  ///< of the query, with a witness
 };
 
 /// Throws Error(data) for descriptors of different kinds or lengths.

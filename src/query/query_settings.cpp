@@ -19,13 +19,13 @@ constexpr std::array<DecisionKind, kEnumNames<Decision>.size()> kDecisionKinds =
       .symbol = "margin",
       .order = ScoreOrder::similarity}}};
 
-constexpr std::array<std::string_view, 3> kNotOfThresholds = {"margin", "lsh", "filter"};
-constexpr std::array<std::string_view, 5> kNotOfMargins = {"t_r", "t_r_scale", "safety_factor",
-                                                           "lsh", "filter"};
+constexpr std::array<std::string_view, 4> kNotOfThresholds = {"margin", "lsh", "filter", "witness"};
+constexpr std::array<std::string_view, 6> kNotOfMargins = {"t_r", "t_r_scale", "safety_factor",
+                                                           "lsh", "filter",    "witness"};
 constexpr std::array<std::string_view, 5> kNotOfFilters = {"t_r", "t_r_scale", "safety_factor",
                                                            "lsh", "exclusion_frames"};
-constexpr std::array<std::string_view, 4> kNotOfLsh = {"margin", "exclusion_frames", "same_place",
-                                                       "filter"};
+constexpr std::array<std::string_view, 5> kNotOfLsh = {"margin", "exclusion_frames", "same_place",
+                                                       "filter", "witness"};
 
 constexpr std::string_view kFilterMethod = "filter";
 
@@ -43,6 +43,7 @@ void set_keys(SequenceKeys& keys, const Filter& rule) {
   keys.decision = Decision::margin;
   keys.margin = rule.margin;
   keys.filter = rule.settings;
+  keys.witness = rule.witness;
 }
 
 void set_keys(SequenceKeys& keys, const Lsh& rule) {
@@ -64,6 +65,7 @@ Json in_force(const SequenceQuerySettings& settings) {
   const SequenceKeys keys = keys_of(settings);
   Json json = value_to_json(keys);
   for (const std::string_view key : foreign_keys(settings.rule)) json.erase(std::string(key));
+  if (keys.witness == Witness::none) json.erase("witness");
   if (keys.loop_gap == 0) json.erase("loop_gap");
   if (keys.loop_gap != 0 || !keys.loop) json.erase("loop_gap_s");
   if (!keys.loop) json.erase("descriptor");
@@ -186,11 +188,12 @@ SequenceKeys keys_of(const SequenceQuerySettings& settings) {
 }
 
 SequenceQuerySettings query_of(const SequenceKeys& keys) {
-  const auto& [windows, decision, margin, lsh, filter, only_sequences, skip_unreadable, clustering,
-               loop, gap, gap_s, descriptor] = keys;
+  const auto& [windows, decision, margin, lsh, filter, witness, only_sequences, skip_unreadable,
+               clustering, loop, gap, gap_s, descriptor] = keys;
   SequenceQuerySettings settings{{}, only_sequences, skip_unreadable, clustering, {}};
   if (windows.windows.method == kFilterMethod)
-    settings.rule = Filter{margin.value_or(kFilterMargin), filter, windows.windows.same_place};
+    settings.rule =
+        Filter{margin.value_or(kFilterMargin), filter, windows.windows.same_place, witness};
   else if (windows.windows.method == kLshMethod)
     settings.rule =
         Lsh{windows.windows.window_length, windows.threshold, windows.safety_factor, lsh};

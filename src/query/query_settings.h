@@ -13,6 +13,7 @@
 
 #include "base/enum_names.h"
 #include "base/json_fwd.h"
+#include "database/keyframe_features.h"
 #include "match/match.h"
 #include "query/fabmap_settings.h"
 #include "query/scores.h"
@@ -81,6 +82,7 @@ struct Filter {
   double margin = kFilterMargin;  ///< of a path, in standard deviations
   FilterSettings settings = {};
   std::vector<std::string> same_place = {};  ///< as for windows
+  Witness witness = Witness::none;           ///< adds evidence to margins
 };
 
 /// Recognizes window pairs below t_r among those that share a bucket of hash tables.
@@ -118,6 +120,7 @@ struct SequenceKeys {
   std::optional<double> margin = {};
   LshSettings lsh = {};
   FilterSettings filter = {};
+  Witness witness = Witness::none;
   std::vector<std::string> only_sequences = {};
   bool skip_unreadable = false;
   ClusterSettings clustering = {};
@@ -144,6 +147,7 @@ void visit_fields(SequenceKeys& keys, Visitor&& visit) {
   visit("exclusion_frames", keys.windows.windows.exclusion_frames, "", kMayBeMissing);
   visit("same_place", keys.windows.windows.same_place, "", kMayBeMissing);
   visit("filter", keys.filter, "Settings of method filter.", kMayBeMissing);
+  visit("witness", keys.witness, "", kMayBeMissing);
   visit("loop", keys.loop,
         "Match the query with its own past; in FAB-MAP, frames become places for later frames.");
   visit("loop_gap", keys.loop_gap, "Frames between a frame and its match at least; 0: loop_gap_s.",

@@ -64,6 +64,14 @@ struct ResultPath {
   std::optional<size_t> reversed_frames = {};
   std::optional<size_t> keyframes = {};  ///< query keyframes of the filter; nullopt: not counted
 
+  /// What decided each recognized frame: the margin of the path alone, and the contrast of its
+  /// features, nullopt without evidence. Empty: without a witness.
+  struct Decided {
+    double margin = 0;
+    std::optional<double> contrast;
+  };
+  std::vector<std::optional<Decided>> witnessed = {};
+
   /// Unknown values for this number of query frames.
   explicit ResultPath(size_t frames = 0) : rates(frames), numbers(frames, 0), decided(frames) {}
 };

@@ -207,6 +207,30 @@ void read_path(Result& result, std::span<const double> values, const Refuse& ref
       refuse("does not say when a recognized frame was decided");
 }
 
+// A row per query frame: the margin of the path alone and the contrast of features that decided it.
+Values witness_rows(const Result& result) {
+  if (!result.path || result.path->witnessed.empty()) return std::nullopt;
+  std::vector<double> rows;
+  for (const auto& decided : result.path->witnessed)
+    rows.insert(rows.end(), {decided ? decided->margin : kNone,
+                             decided ? decided->contrast.value_or(kNone) : kNone});
+  return rows;
+}
+
+void read_witness(Result& result, std::span<const double> values, const Refuse& refuse) {
+  constexpr double kMost = 100;  // above any logarithm of counts
+  require_rows(values.size(), 2 * result.query.frames, refuse);
+  if (!result.path) refuse("does not fit the method");
+  for (size_t i = 0; i < values.size(); i += 2) {
+    auto& decided = result.path->witnessed.emplace_back();
+    if (std::isnan(values[i])) continue;
+    if (!(values[i] >= 0 && values[i] <= kMostSum) || std::abs(values[i + 1]) > kMost)
+      refuse("has a number out of range");
+    decided = {values[i], {}};
+    if (!std::isnan(values[i + 1])) decided->contrast = values[i + 1];
+  }
+}
+
 // The first frames of keyframes as rows of sequence and frame; the query is sequence -1.
 Rows keyframe_rows(const Result& result) {
   if (!result.keyframes) return std::nullopt;
@@ -278,7 +302,7 @@ void read_selected(Result& result, std::span<const int32_t> values, const Refuse
 }
 
 /// In the order of files. A reader may use what precedes its array.
-const std::array<std::variant<Integers, Doubles>, 10> kArrays = {
+const std::array<std::variant<Integers, Doubles>, 11> kArrays = {
     Integers{"recognitions",
              {},
              [](const Result& r) { return match_rows(r, r.recognitions); },
@@ -294,6 +318,7 @@ const std::array<std::variant<Integers, Doubles>, 10> kArrays = {
             read_best_scores},
     Doubles{"margins", {""}, [](const Result& r) { return with_nan(r.margins); }, read_margins},
     Doubles{"path", {"rate", "path", "decided"}, path_rows, read_path},
+    Doubles{"witness", {"margin", "contrast"}, witness_rows, read_witness},
     Integers{"keyframes", {"sequence", "frame"}, keyframe_rows, read_keyframes},
     Doubles{"new_place", {""}, new_place, read_new_place},
     Integers{"source_frames", {""}, selected_frames<true>, read_selected<true>},

@@ -96,11 +96,21 @@ PathRows::PathRows(const QueryPlan& plan)
       steps_(plan.result.query.frames),
       reversed_(plan.result.query.frames),
       found_{{}, std::vector<std::optional<Cell>>(plan.result.query.frames)},
-      path_(plan.result.query.frames) {}
+      path_(plan.result.query.frames) {
+  witness_ = std::get<ByPath>(plan.decision).witness;
+  if (witness_) path_.witnessed.resize(plan.result.query.frames);
+}
 
 void PathRows::operator()(std::span<const ScoreRow> row) {
-  const PathReport& report = *row.front().path;
+  PathReport report = *row.front().path;
   const size_t frame = row.front().query_window;
+  if (witness_) {
+    const double margin = plan_.result.score().frame_value(report.margin, 1);
+    by_margin_ = {margin, witness_->add_evidence(report, plan_.query.rows[frame], [this, frame] {
+                    return plan_.features_of ? plan_.features_of(frame)
+                                             : std::vector<LocalFeature>{};
+                  })};
+  }
   steps_[frame] = report;
   steps_[frame].matches = {};
   reversed_[frame] = *row.front().reversed;
@@ -115,6 +125,7 @@ void PathRows::operator()(std::span<const ScoreRow> row) {
 void PathRows::decide(const std::vector<Cell>& recognized, size_t frame) {
   for (const Cell& match : recognized) {
     path_.decided[match.query_window] = static_cast<uint32_t>(frame);
+    if (witness_) path_.witnessed[match.query_window] = by_margin_;
     found_.recognitions.push_back(match);
   }
 }

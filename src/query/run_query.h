@@ -50,6 +50,8 @@ class PathRows {
   std::vector<PathReport> reversed_;  ///< the same against the direction
   RecognitionScanResult found_;
   ResultPath path_;
+  std::optional<WitnessStage> witness_;
+  ResultPath::Decided by_margin_;  ///< the last report, with a witness
 };
 
 /// Collects the rows of a planned query, which must outlive it, into a result: recognitions, best

@@ -69,6 +69,12 @@ constexpr std::array kSequenceRows = {
                    "sqrt(c_l)), for FastABLE in bits per frame (default: 0.75 / sqrt(c_l) of the "
                    "typical distance)",
                .instead = "Use --decide margin."},
+    SettingRow{.key = "witness",
+               .group = kWindowGroup,
+               .commands = in(QueryCommand::query, QueryCommand::live),
+               .help = "evidence that the filter adds to margins: none, or orb, the local features "
+                       "of a database trained with --features orb (default: {})",
+               .instead = "Omit it, or use --method filter."},
     SettingRow{.key = "same_place",
                .group = kWindowGroup,
                .commands = kQuery | in(QueryCommand::sweep),

@@ -10,14 +10,18 @@
 #include "match/distance_statistics.h"
 #include "query/prepare.h"
 #include "query/thresholds.h"
+#include "query/witness.h"
+#include "recordings/decode.h"
 
 namespace vpr {
 namespace {
 
 void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
                      bool skip_unreadable, const Monitor& monitor) {
+  const FeatureChoice choose =
+      database.features ? choose_changes(database.descriptors.shape().element) : FeatureChoice{};
   DescriptorSet described =
-      describe_frames(open_sequence(argument.sequence), database, skip_unreadable, monitor);
+      describe_frames(open_sequence(argument.sequence), database, skip_unreadable, monitor, choose);
   Sequence& sequence = described.sequence;
   sequence.name = argument.name;
   if (!sequence.unreadable.empty())
@@ -36,6 +40,9 @@ void append_sequence(SequenceDatabase& database, const NamedArgument& argument,
       throw Error(ErrorKind::usage,
                   "{}: has the same frames as the training sequence {}. Train each recording once",
                   argument.sequence.path.string(), database.sequences[s].sequence.name);
+  const auto first = static_cast<uint32_t>(database.descriptors.rows().size());
+  for (size_t k = 0; k < described.features.frames.size(); ++k)
+    database.features->append(first + described.features.frames[k], described.features.of(k));
   database.descriptors.append(std::move(described.descriptors));
   database.sequences.push_back({std::move(sequence)});
   database.sequences.back().path = argument_text(argument.sequence);
@@ -88,6 +95,7 @@ void extend(SequenceDatabase& database, const std::vector<NamedArgument>& sequen
     database.statistics->code_distance =
         compute_statistics(codes, settings, monitor).typical_distance;
   ensure_exclusion_zones(database, monitor);
+  if (database.features && database.features->all.empty()) database.features.reset();
 }
 
 }  // namespace
@@ -105,6 +113,8 @@ SequenceDatabase train_sequences(const std::vector<NamedArgument>& sequences,
       sources.push_back(open_sequence(argument.sequence));
     database.descriptors.unit = coordinate_unit(settings.descriptor_kind, sources, monitor);
   }
+  if (settings.features != Witness::none && !database.descriptors.kind->is_imported)
+    database.features.emplace();
   extend(database, sequences, settings.skip_unreadable, settings.statistics, monitor);
   warn_of_near_frames(database, monitor);
   add_thresholds(database, settings.window_length, settings.safety_factor, monitor);
@@ -120,12 +130,36 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
   extended.descriptors.kind = database.descriptors.kind;
   extended.descriptors.unit = database.descriptors.unit;
   extended.descriptors.append(database.descriptors.rows());
+  extended.features = database.features;
   extend(extended, sequences, skip_unreadable,
          database.statistics ? database.statistics->settings : StatisticsSettings{}, monitor);
   for (const ThresholdTable& table : database.thresholds)
     add_thresholds(extended, table.window_length, table.safety_factor, monitor);
   return extended;
 }
+
+namespace {
+
+FeatureLookup features_of_files(const std::vector<std::filesystem::path>& files,
+                                const DescriptorSettings& settings) {
+  const auto shared = std::make_shared<const std::vector<std::filesystem::path>>(files);
+  return [shared, format = pixel_format(settings)](size_t frame) {
+    const cv::Mat gray = in_format(decode_image((*shared)[frame], format), PixelFormat::gray);
+    return find_local_features(working_image(gray));
+  };
+}
+
+// Each chosen frame stands for the frames up to the next one.
+FeatureLookup features_of_keyframes(KeyframeFeatures features) {
+  const auto shared = std::make_shared<const KeyframeFeatures>(std::move(features));
+  return [shared](size_t frame) {
+    const size_t until = shared->count_until(frame);
+    const auto found = until == 0 ? std::span<const LocalFeature>{} : shared->of(until - 1);
+    return std::vector<LocalFeature>(found.begin(), found.end());
+  };
+}
+
+}  // namespace
 
 // Warns if nearly all frames have one descriptor, as in darkness or a range of pixels that was cut.
 void warn_of_uniform_frames(const DescriptorSet& set, const std::string& name,
@@ -144,7 +178,8 @@ void warn_of_uniform_frames(const DescriptorSet& set, const std::string& name,
 }
 
 DescriptorSet describe_frames(const SequenceSource& source, const SequenceDatabase& database,
-                              bool skip_unreadable, const Monitor& monitor) {
+                              bool skip_unreadable, const Monitor& monitor,
+                              const FeatureChoice& choose, FeatureTime time) {
   const DescriptorKind& kind = *database.descriptors.kind;
   const bool has_frames = source.kind != SequenceKind::descriptors;
   if (kind.is_imported && has_frames)
@@ -160,7 +195,12 @@ DescriptorSet describe_frames(const SequenceSource& source, const SequenceDataba
   const Unreadable unreadable = skip_unreadable ? Unreadable::skip : Unreadable::fail;
   DescriptorSettings settings = database.descriptor;
   settings.unit = database.descriptors.unit;
-  DescriptorSet set = kind.describe(source, settings, unreadable, monitor);
+  const bool decodes_again = time == FeatureTime::later && source.kind == SequenceKind::images;
+  DescriptorSet set = kind.describe(source, settings, unreadable, monitor,
+                                    decodes_again ? FeatureChoice{} : choose);
+  if (choose && time == FeatureTime::later)
+    set.features_of = decodes_again ? features_of_files(source.files, settings)
+                                    : features_of_keyframes(std::move(set.features));
   warn_of_uniform_frames(set, source.argument.path.string(), monitor);
   const Selection shown =
       at_speed(source.argument.speed, set.sequence.frames, source.argument.seed);

@@ -19,7 +19,8 @@ struct SequenceTrainSettings {
   uint64_t window_length = 40;  ///< c_l of the automatic thresholds
   double safety_factor = 1;     ///< multiplies the automatic thresholds
   bool skip_unreadable = false;
-  StatisticsSettings statistics;  ///< the initial statistics of z-scores
+  Witness features = Witness::none;  ///< of keyframes, for queries with a witness
+  StatisticsSettings statistics;     ///< the initial statistics of z-scores
 };
 
 template <class Visitor>
@@ -29,6 +30,7 @@ void visit_fields(SequenceTrainSettings& settings, Visitor&& visit) {
   visit("c_l", settings.window_length, "Window of the automatic t_r.", at_least(1));
   visit("safety_factor", settings.safety_factor, "Multiplies the automatic t_r.");
   visit("skip_unreadable", settings.skip_unreadable);
+  visit("features", settings.features);
   visit("statistics", settings.statistics, "Training statistics.");
 }
 
@@ -44,11 +46,17 @@ SequenceDatabase add_sequences(const SequenceDatabase& database,
                                const std::vector<NamedArgument>& sequences, bool skip_unreadable,
                                const Monitor& monitor);
 
+enum class FeatureTime { now, later };
+
 /// The frames of a sequence, described like the frames of the database. Throws what
 /// DescriptorKind::describe throws, and Error(data) for images if the database has imported
-/// descriptors, or the reverse.
+/// descriptors, or the reverse. `choose`: the frames that get features; null: none. Later, only
+/// features_of is set: images are decoded again, and features of a video are those of the last
+/// chosen frame.
 DescriptorSet describe_frames(const SequenceSource& source, const SequenceDatabase& database,
-                              bool skip_unreadable, const Monitor& monitor);
+                              bool skip_unreadable, const Monitor& monitor,
+                              const FeatureChoice& choose = {},
+                              FeatureTime time = FeatureTime::now);
 
 /// Descriptors and unreadable frames of every sequence. They point into the database.
 std::vector<DescribedFrames> descriptor_spans(const SequenceDatabase& database);

@@ -71,14 +71,16 @@ std::optional<PixelRange> find_pixel_range(const SequenceSource& source, const M
 }
 
 Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
-                        const Monitor& monitor, const FrameVisitor& body) {
+                        const Monitor& monitor, const FrameVisitor& visit) {
   const size_t count = source.files.size();
   std::atomic<size_t> lowest_failed{count};
   std::vector<std::optional<Error>> problems(count);
   std::vector<cv::Size> sizes(count);
   const std::optional<PixelRange> range = find_pixel_range(source, monitor);
   StepCounter counter(monitor, "describe", count);
-  parallel_for(count, monitor, [&](size_t i) {
+  std::atomic<size_t> taken{0};
+  parallel_for(count, monitor, [&](size_t) {
+    const size_t i = taken++;
     if (i > lowest_failed.load()) return;
     cv::Mat image;
     try {
@@ -89,7 +91,7 @@ Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unread
       if (!is_skipped) lower_to(lowest_failed, i);
     }
     sizes[i] = image.size();
-    if (!image.empty()) body(i, image);
+    visit(i, image);
     counter.add();
   });
   if (lowest_failed < count) throw Error(*problems[lowest_failed]);
@@ -114,7 +116,7 @@ Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unread
 
 Sequence for_each_video_frame(const SequenceSource& source, PixelFormat format,
                               Unreadable unreadable, const Monitor& monitor,
-                              const FrameVisitor& body) {
+                              const FrameVisitor& visit) {
   namespace tbb = oneapi::tbb;
   using FramePointer = std::shared_ptr<IndexedFrame>;
   VideoReader reader(source.argument, format, unreadable);
@@ -132,7 +134,7 @@ Sequence for_each_video_frame(const SequenceSource& source, PixelFormat format,
   const auto describe = [&](const FramePointer& frame) {
     const ThreadOrder::Part part;
     take_over(frame.get());
-    if (!frame->image.empty()) body(frame->index, frame->image);
+    visit(frame->index, frame->image);
     counter.add();
   };
   {
@@ -148,7 +150,8 @@ Sequence for_each_video_frame(const SequenceSource& source, PixelFormat format,
 }  // namespace
 
 Sequence for_each_frame(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
-                        const Monitor& monitor, const FrameVisitor& body) {
+                        const Monitor& monitor, const FrameVisitor& body,
+                        const std::function<void(size_t index)>& skipped) {
   if (source.picture != nullptr) {
     body(0, in_format(*source.picture, format));
     return {"", 1, {source.argument.path.filename().string()}};
@@ -156,9 +159,15 @@ Sequence for_each_frame(const SequenceSource& source, PixelFormat format, Unread
   const std::string path = source.argument.path.string();
   if (source.kind == SequenceKind::descriptors)
     throw Error(ErrorKind::data, "{}: contains descriptors, but images are needed", path);
+  const FrameVisitor visit = [&](size_t index, const cv::Mat& image) {
+    if (!image.empty())
+      body(index, image);
+    else if (skipped)
+      skipped(index);
+  };
   Sequence sequence = source.kind == SequenceKind::video
-                          ? for_each_video_frame(source, format, unreadable, monitor, body)
-                          : for_each_image(source, format, unreadable, monitor, body);
+                          ? for_each_video_frame(source, format, unreadable, monitor, visit)
+                          : for_each_image(source, format, unreadable, monitor, visit);
   if (sequence.unreadable.size() == sequence.frames)
     throw Error(ErrorKind::input, "{}: none of its {} can be decoded", path,
                 counted(sequence.frames, "frame"));

@@ -20,15 +20,16 @@ namespace vpr {
 
 using FrameVisitor = std::function<void(size_t index, const cv::Mat& image)>;
 
-/// Calls body(index, image) for each readable frame, in any order, from several threads. Files are
-/// decoded in parallel; a video is read frame by frame in one thread, without seeking, while others
-/// process its frames. With
-/// Unreadable::fail, the first (lowest) undecodable frame throws Error(input); with skip, only a
-/// sequence without any readable frame does. A frame above the limit of megapixels throws
+/// Calls body(index, image) for each readable frame and skipped(index) for each other one, in any
+/// order, from several threads, which take the frames in order. Files are decoded in parallel; a
+/// video is read frame by frame in one thread, without seeking, while others process its frames.
+/// With Unreadable::fail, the first (lowest) undecodable frame throws Error(input); with skip, only
+/// a sequence without any readable frame does. A frame above the limit of megapixels throws
 /// Error(usage) in both cases, for a video before any frame is decoded. A sequence of descriptors
 /// throws Error(data). Returns the sequence of the argument with its frames.
 Sequence for_each_frame(const SequenceSource& source, PixelFormat format, Unreadable unreadable,
-                        const Monitor& monitor, const FrameVisitor& body);
+                        const Monitor& monitor, const FrameVisitor& body,
+                        const std::function<void(size_t index)>& skipped = {});
 
 /// Settings that belong to the whole process: of every program and of every call from Python.
 struct ProcessSettings {

@@ -124,6 +124,34 @@ TEST_CASE("a database without training results is damaged") {
   CHECK(kind([](Database& d) { d.sequences[0].typical_distance.reset(); }) == ErrorKind::data);
 }
 
+TEST_CASE("features of keyframes are read back, and refused if invalid") {
+  const auto stored = [&](auto change) {
+    SequenceDatabase database = example();
+    LocalFeature feature;
+    feature.bits[31] = 7;
+    feature.x = 2.5F;
+    database.features.emplace();
+    database.features->append(0, {});
+    database.features->append(3, std::vector{feature, LocalFeature{}});
+    change(*database.features);
+    write("d.vprdb", database, Existing::replace);
+    return read_sequence_database("d.vprdb");
+  };
+  const SequenceDatabase database = stored([](KeyframeFeatures&) {});
+  REQUIRE(database.features);
+  CHECK(database.features->frames == std::vector<uint32_t>{0, 3});
+  CHECK(database.features->of(0).empty());
+  REQUIRE(database.features->of(1).size() == 2);
+  CHECK(database.features->of(1)[0].bits[31] == 7);
+  CHECK(database.features->of(1)[0].x == 2.5F);
+  const auto kind = [&](auto change) { return error_kind([&] { stored(change); }); };
+  CHECK(kind([](KeyframeFeatures& f) { f.frames[1] = 5; }) == ErrorKind::data);
+  CHECK(kind([](KeyframeFeatures& f) { f.frames[1] = 0; }) == ErrorKind::data);
+  CHECK(kind([](KeyframeFeatures& f) { f.all[1].y = -1; }) == ErrorKind::data);
+  CHECK(kind([](KeyframeFeatures& f) { f.all[1].y = std::nanf(""); }) == ErrorKind::data);
+  CHECK(kind([](KeyframeFeatures& f) { f.all.emplace_back(); }) == ErrorKind::data);
+}
+
 TEST_CASE("invalid statistics are refused") {
   const auto kind = [&](auto change) {
     SequenceDatabase database = example();
