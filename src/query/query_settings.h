@@ -82,7 +82,7 @@ struct Filter {
   double margin = kFilterMargin;  ///< of a path, in standard deviations
   FilterSettings settings = {};
   std::vector<std::string> same_place = {};  ///< as for windows
-  Witness witness = Witness::none;           ///< adds evidence to margins
+  Witness witness = Witness::orb;  ///< adds evidence to margins if the database has features
 };
 
 /// Recognizes window pairs below t_r among those that share a bucket of hash tables.
@@ -120,7 +120,7 @@ struct SequenceKeys {
   std::optional<double> margin = {};
   LshSettings lsh = {};
   FilterSettings filter = {};
-  Witness witness = Witness::none;
+  Witness witness = Witness::orb;
   std::vector<std::string> only_sequences = {};
   bool skip_unreadable = false;
   ClusterSettings clustering = {};
