@@ -11,7 +11,7 @@
 
 namespace vpr {
 
-/// What a schema demands of all structs in a value.
+/// The demands of a schema on all structs in a value.
 enum class SchemaForm {
   data,     ///< all keys, except those that a field omits; an optional without a value is null
   partial,  ///< settings that people write: no key but those marked as required
@@ -38,7 +38,7 @@ Json with_kind(std::string_view kind, const Json& schema);
 Json merged(Json a, const Json& b);
 
 /// The schema of a whole file.
-/// Of objects with one of these schemas.
+/// The same for objects with one of these schemas.
 Json file_schema(std::string_view kind, std::string_view title, const std::vector<Json>& schemas);
 
 namespace detail {

@@ -55,7 +55,7 @@ std::vector<ThresholdStep> threshold_steps(const Report& report, const Judgment&
 Chart margin_chart(const Report& report, const Judgment& judgment);
 
 /// Frames from the closest frame of the same place to the best match, in the best match's sequence;
-/// 0 if it is the same place, without the tolerance. Unset without such a frame.
+/// 0 if it is the same place, without the tolerance. Unset if no frame shows the same place.
 std::optional<int64_t> frames_off(const GroundTruth& truth, const QueryOutcome& query);
 
 /// frames_off of recognized best matches. No series if none is off, and for places.
