@@ -327,7 +327,7 @@ std::string write_content(const SequenceDatabase& database, ArchiveWriter writer
 
 Json sequence_manifest_schema() {
   SequenceDatabase database;
-  Manifest manifest{database, {}, {}, {}, {}, {}};
+  Manifest manifest{database, {}, {}, {}, {}, {}, {}};
   return with_files(field_schema(manifest, SchemaForm::data));
 }
 

@@ -30,7 +30,7 @@ void visit_fields(SequenceTrainSettings& settings, Visitor&& visit) {
   visit("c_l", settings.window_length, "Window of the automatic t_r.", at_least(1));
   visit("safety_factor", settings.safety_factor, "Multiplies the automatic t_r.");
   visit("skip_unreadable", settings.skip_unreadable);
-  visit("features", settings.features);
+  visit("features", settings.features, "Local features of keyframes, for the filter.");
   visit("statistics", settings.statistics, "Training statistics.");
 }
 
