@@ -189,7 +189,10 @@ Trial try_setting(const SequenceDatabase& database, const std::vector<LabeledQue
                   const SequenceQuerySettings& settings, const QueryResources& resources,
                   const Monitor& monitor, const Monitor& truth_monitor) {
   const bool is_tuned = std::holds_alternative<Threshold>(settings.rule);
-  Trial trial{name_of(settings), settings, is_tuned, {}, 0};
+  SequenceQuerySettings used = settings;
+  if (auto* filter = std::get_if<Filter>(&used.rule); filter != nullptr && !database.features)
+    filter->witness = Witness::none;
+  Trial trial{name_of(settings), std::move(used), is_tuned, {}, 0};
   const PreparedDatabase prepared = prepare(database, settings, resources, monitor);
   run_trial(trial, queries, truth_monitor, [&](const LabeledQuery& query) {
     return run_query(plan_query(prepared, query.frames, query.name, settings, resources, monitor),
