@@ -173,15 +173,9 @@ struct Conversion {
   uint64_t query_frames = 0, same = 0, ignored = 0;
 };
 
-template <class Visitor>
-void visit_fields(Conversion& conversion, Visitor&& visit) {
-  visit("schema", Derived{schema_name("conversion")});
-  visit("from", conversion.from, "Format that was read.");
-  visit("to", conversion.to, "Format that was written.");
-  visit("query_frames", conversion.query_frames, "Query frames.");
-  visit("same", conversion.same, "Pairs of the same place, tolerance applied.");
-  visit("ignored", conversion.ignored, "Pairs to ignore.");
-}
+VPR_FILE(Conversion, "conversion", (from, "Format that was read."),
+         (to, "Format that was written."), (query_frames, "Query frames."),
+         (same, "Pairs of the same place, tolerance applied."), (ignored, "Pairs to ignore."))
 
 Json check_json(const InspectedGroundTruth& found, const std::vector<CheckRow>& rows,
                 const RunInfo& run) {

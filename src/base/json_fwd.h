@@ -19,6 +19,13 @@ using Json = nlohmann::ordered_json;
   void visit_fields(Struct& value, Visitor&& visit) {                 \
     NLOHMANN_JSON_EXPAND(NLOHMANN_JSON_PASTE(VPR_FIELD, __VA_ARGS__)) \
   }
+/// As VPR_FIELDS, for the content of a file of a kind: the key "schema" comes first.
+#define VPR_FILE(Struct, kind, ...)                                   \
+  template <class Visitor>                                            \
+  void visit_fields(Struct& value, Visitor&& visit) {                 \
+    visit("schema", Derived{schema_name(kind)});                      \
+    NLOHMANN_JSON_EXPAND(NLOHMANN_JSON_PASTE(VPR_FIELD, __VA_ARGS__)) \
+  }
 #define VPR_FIELD(field) VPR_VISIT field
 #define VPR_VISIT(name, ...) visit(#name, value.name __VA_OPT__(, ) __VA_ARGS__);
 

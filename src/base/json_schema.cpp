@@ -35,15 +35,6 @@ std::string sentence(std::string_view text) {
   return result.ends_with('.') ? result : result + ".";
 }
 
-Json with_kind(std::string_view kind, const Json& schema) {
-  Json result = schema;
-  result["properties"] = {
-      {"schema", {{"description", "Kind and version of the file."}, {"const", schema_name(kind)}}}};
-  result["properties"].update(schema["properties"]);
-  result["required"].insert(result["required"].begin(), "schema");
-  return result;
-}
-
 Json merged(Json a, const Json& b) {
   if (a.contains("items") && b.contains("items")) a["items"] = merged(a["items"], b["items"]);
   if (!a.contains("properties") || !b.contains("properties")) return a;
@@ -57,11 +48,9 @@ Json merged(Json a, const Json& b) {
   return a;
 }
 
-Json file_schema(std::string_view kind, std::string_view title, const std::vector<Json>& schemas) {
+Json file_schema(std::string_view title, const std::vector<Json>& schemas) {
   Json file = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", title}};
-  std::vector<Json> with_kinds;
-  for (const Json& schema : schemas) with_kinds.push_back(with_kind(kind, schema));
-  file.update(detail::any_of(with_kinds));
+  file.update(detail::any_of(schemas));
   return file;
 }
 
@@ -100,7 +89,6 @@ void add_hint(Json& schema, OrNull) { schema = or_null(schema); }
 
 void add_property(Json& object, std::string_view key, Json schema, std::string_view text,
                   bool is_required) {
-  if (key == "schema") return;  // with_kind adds it
   Json property = Json::object();
   if (!text.empty()) property["description"] = sentence(text);
   property.update(schema);

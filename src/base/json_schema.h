@@ -6,40 +6,37 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "base/json.h"
 
 namespace vpr {
 
-/// The demands of a schema on all structs in a value.
+/// The keys that a schema requires of all structs in a value.
 enum class SchemaForm {
   data,     ///< all keys, except those that a field omits; an optional without a value is null
-  partial,  ///< settings that people write: no key but those marked as required
+  partial,  ///< settings that people write: no key but "schema" and those marked kRequired
   in_force  ///< settings in our own files: all keys, except those marked kMayBeMissing
 };
 
-/// A field as a visitor receives it, whose object has default values.
+/// The schema of a field as a visitor receives it; the object of the field has default values.
 template <class Field>
 Json field_schema(Field& field, SchemaForm form);
 
-/// The schema of a type.
 template <class T>
 Json schema_of(SchemaForm form = SchemaForm::data) {
   T value{};
   return field_schema(value, form);
 }
 
-/// A description from the help of a flag, or a sentence as it is.
-std::string sentence(std::string_view text);
-
-/// The schema with the key "schema" at first.
-Json with_kind(std::string_view kind, const Json& schema);
 /// The schema of objects of both schemas: with all keys, of which those of both are required.
 Json merged(Json a, const Json& b);
 
-/// The schema of a whole file.
-/// The same for objects with one of these schemas.
-Json file_schema(std::string_view kind, std::string_view title, const std::vector<Json>& schemas);
+/// A description from the help of a flag, or a sentence as it is.
+std::string sentence(std::string_view text);
+
+/// The schema of a whole file with one of these schemas.
+Json file_schema(std::string_view title, const std::vector<Json>& schemas);
 
 namespace detail {
 Json or_null(Json schema);
@@ -48,10 +45,7 @@ Json any_of(std::vector<Json> schemas);
 void add_hint(Json& schema, const Bounds& bounds);
 void add_hint(Json& schema, const Matches& pattern);
 void add_hint(Json& schema, OrNull);
-inline void add_hint(Json&, MayBeMissing) {}
-inline void add_hint(Json&, Required) {}
-template <class... T>
-void add_hint(Json&, As<T...>) {}
+void add_hint(Json&, const auto&) {}
 void add_property(Json& object, std::string_view key, Json schema, std::string_view text,
                   bool is_required);
 
@@ -59,45 +53,35 @@ inline bool may_be_missing(MayBeMissing hint) { return hint.holds; }
 inline bool may_be_missing(const auto&) { return false; }
 
 template <class T>
-inline constexpr bool kIsInForce = false;
+Json schema_in(const T*, SchemaForm form) {
+  return schema_of<T>(form);
+}
 template <class T>
-inline constexpr bool kIsInForce<InForce<T>> = true;
-template <class T>
-inline constexpr bool kIsAs = false;
-template <class... T>
-inline constexpr bool kIsAs<As<T...>> = true;
-
-template <class T>
-T type_in(InForce<T>);
-
-template <class T>
-Json schema_as(SchemaForm form) {
-  if constexpr (kIsInForce<T>)
-    return schema_of<decltype(type_in(T{}))>(SchemaForm::in_force);
-  else
-    return schema_of<T>(form);
+Json schema_in(const InForce<T>*, SchemaForm) {
+  return schema_of<T>(SchemaForm::in_force);
 }
 template <class... T>
-Json schema_by(As<T...>, SchemaForm form) {
-  return any_of({schema_as<T>(form)...});
+void replace_type(Json& schema, As<T...>, SchemaForm form) {
+  schema = any_of({schema_in(static_cast<const T*>(nullptr), form)...});
 }
-inline Json schema_by(const auto&, SchemaForm) { return {}; }
+void replace_type(Json&, const auto&, SchemaForm) {}
 
+/// Fields that wrap another one.
+template <class Field>
+inline constexpr bool kIsOmittable = !Settings<Field> && requires(Field wrapper) {
+  wrapper.field;
+};
 template <class T>
 Json held_schema(IfSet<T>&, SchemaForm form) {
   return schema_of<T>(form);
 }
 template <class T>
-Json held_schema(Unless<T>& field, SchemaForm form) {
-  return field_schema(field.field, form);
-}
-template <class Test, class T>
-Json held_schema(PresentIf<Test, T>& field, SchemaForm form) {
-  return field_schema(field.field, form);
-}
-template <class T>
 Json held_schema(Derived<T>& field, SchemaForm form) {
   return field_schema(field.value, form);
+}
+template <class Read>
+Json held_schema(ReadField<Read>&, SchemaForm) {
+  return {{"type", "string"}};
 }
 template <class T, class Visit>
 Json held_schema(NestedList<T, Visit>& field, SchemaForm form) {
@@ -105,20 +89,11 @@ Json held_schema(NestedList<T, Visit>& field, SchemaForm form) {
   auto object = field.object_of(item);
   return {{"type", "array"}, {"items", field_schema(object, form)}};
 }
-
-template <class Field>
-inline constexpr bool kIsOmittable = false;
-template <class T>
-inline constexpr bool kIsOmittable<IfSet<T>> = true;
-template <class T>
-inline constexpr bool kIsOmittable<Unless<T>> = true;
-template <class Test, class T>
-inline constexpr bool kIsOmittable<PresentIf<Test, T>> = true;
 }  // namespace detail
 
 /// Collects the properties of an object, of a given schema or a new one.
 struct SchemaVisitor {
-  SchemaForm form;
+  SchemaForm form = SchemaForm::data;
   Json object = {{"type", "object"},
                  {"properties", Json::object()},
                  {"required", Json::array()},
@@ -128,11 +103,12 @@ struct SchemaVisitor {
   void operator()(std::string_view key, Field&& field, std::string_view text = {},
                   const Hints&... hints) {
     using T = std::remove_cvref_t<Field>;
-    Json schema;
-    if constexpr ((detail::kIsAs<Hints> || ...))
-      ((detail::kIsAs<Hints> ? schema = detail::schema_by(hints, form) : schema), ...);
-    else
-      schema = field_schema(field, form);
+    if constexpr (std::is_same_v<T, Derived<std::string>>)
+      if (key == "schema")
+        return detail::add_property(object, key, {{"const", field.value}},
+                                    "Kind and version of the file.", true);
+    Json schema = field_schema(field, form);
+    (detail::replace_type(schema, hints, form), ...);
     (detail::add_hint(schema, hints), ...);
     const bool is_required = (std::is_same_v<Hints, Required> || ...) ||
                              (form != SchemaForm::partial && !detail::kIsOmittable<T> &&
@@ -150,34 +126,29 @@ Json field_schema(Field& field, SchemaForm form) {
     return visitor.object;
   } else if constexpr (requires { detail::held_schema(field, form); }) {
     return detail::held_schema(field, form);
+  } else if constexpr (detail::kIsOmittable<T>) {
+    return field_schema(field.field, form);
   } else if constexpr (detail::kIsOptional<T>) {
     Json schema = schema_of<typename T::value_type>(form);
     return form == SchemaForm::data ? detail::or_null(schema) : detail::or_auto(schema);
-  } else if constexpr (detail::kIsList<T>) {
-    return {{"type", "array"}, {"items", schema_of<typename T::value_type>(form)}};
-  } else if constexpr (detail::kIsArray<T>) {
-    return {{"type", "array"},
-            {"items", schema_of<typename T::value_type>(form)},
-            {"minItems", field.size()},
-            {"maxItems", field.size()}};
+  } else if constexpr (detail::kIsList<T> || detail::kIsArray<T>) {
+    Json schema = {{"type", "array"}, {"items", schema_of<typename T::value_type>(form)}};
+    if constexpr (detail::kIsArray<T>) schema["maxItems"] = schema["minItems"] = field.size();
+    return schema;
   } else if constexpr (detail::kIsMap<T>) {
     return {{"type", "object"}, {"additionalProperties", schema_of<typename T::mapped_type>(form)}};
   } else if constexpr (std::is_enum_v<T>) {
     return {{"enum", kEnumNames<T>}};
   } else if constexpr (std::is_same_v<T, bool>) {
     return {{"type", "boolean"}};
-  } else if constexpr (std::is_integral_v<T>) {
-    return std::is_unsigned_v<T> ? Json{{"type", "integer"}, {"minimum", 0}}
-                                 : Json{{"type", "integer"}};
-  } else if constexpr (std::is_floating_point_v<T>) {
-    return {{"type", "number"}};
-  } else if constexpr (std::is_same_v<T, Json>) {
-    return {{"type", "object"}};
+  } else if constexpr (std::is_arithmetic_v<T>) {
+    Json schema = {{"type", std::is_integral_v<T> ? "integer" : "number"}};
+    if constexpr (std::is_unsigned_v<T>) schema["minimum"] = 0;
+    return schema;
   } else {
-    static_assert(
-        std::is_same_v<T, std::filesystem::path> || std::is_convertible_v<T, std::string_view>,
-        "a field with its own functions needs kAs<TYPE> after its description");
-    return {{"type", "string"}};
+    constexpr bool is_text =
+        std::is_same_v<T, std::filesystem::path> || std::is_convertible_v<T, std::string_view>;
+    return is_text ? Json{{"type", "string"}} : Json{{"type", "object"}};
   }
 }
 

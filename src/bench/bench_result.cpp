@@ -39,11 +39,10 @@ VPR_FIELDS(TimeSummary, (median_ms, "Median, in milliseconds.", at_least(0)),
 template <class Visitor>
 void visit_fields(BenchRow& row, Visitor&& visit) {
   visit("work", row.work, "A method, feature or step.");
-  visit("parameters", numbers_field(row.parameters), "Numbers that name the row.",
-        kAs<NumbersByName>);
+  visit("parameters", numbers_field(row.parameters), "Names of the row.", kAs<NumbersByName>);
   visit("per", row.per, "Unit of work of one time: query frame, tree.");
   visit_fields(row.time, visit);
-  visit("values", numbers_field(row.values), "Other measurements: fps, recall, peak_mib.",
+  visit("values", numbers_field(row.values), "Other measurements: fps, recall.",
         kAs<NumbersByName>);
   visit("note", row.note, "Remark, as in 12 rows sampled; may be empty.");
 }

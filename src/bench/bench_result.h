@@ -123,10 +123,8 @@ inline auto numbers_field(NamedNumbers& numbers) {
 /// As which the schema describes it.
 using NumbersByName = std::map<std::string, double>;
 
-/// Settings, rows, omitted measurements, provenance and machine.
+/// Settings, rows, omitted measurements, provenance and machine. The schemas are for docs/schemas.
 Json bench_json(const BenchResult& result, const RunInfo& run);
-
-/// The schemas of bench_json and of comparison_json, for docs/schemas.
 Json bench_schema();
 Json bench_comparison_schema();
 

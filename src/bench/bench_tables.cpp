@@ -240,8 +240,8 @@ void visit_fields(ComparisonFile& file, Visitor&& visit) {
         NestedList{file.comparison.ratios,
                    [&](BenchRatio& row, auto&& inner) {
                      inner("work", row.work, "Name of the work.");
-                     inner("parameters", numbers_field(row.parameters),
-                           "Numbers that name the row.", kAs<NumbersByName>);
+                     inner("parameters", numbers_field(row.parameters), "Names of the row.",
+                           kAs<NumbersByName>);
                      inner("old_ms", row.old_ms, "Median of the old run.", at_least(0));
                      inner("new_ms", row.new_ms, "Median of the new run.", at_least(0));
                      inner("ratio", row.ratio, "New median / old median.", at_least(0));

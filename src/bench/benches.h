@@ -34,18 +34,15 @@ void check_methods(const MatchingCase& example, const std::vector<std::string>& 
 /// Settings of vpr-bench matching, which times every method with every combination of the values.
 struct MatchingBenchSettings {
   std::vector<std::string> methods = {"fastable-online", "fastable", "zscore", "openable"};
-  std::vector<uint64_t> databases = {500, 1000, 2000, 4000, 8000};  ///< frames
-  std::vector<uint64_t> window_lengths = {20, 40, 60, 80};          ///< c_l
+  std::vector<uint64_t> databases = {500, 1000, 2000, 4000, 8000};
+  std::vector<uint64_t> window_lengths = {20, 40, 60, 80};
   std::vector<uint64_t> query_frames = {1000};
-  uint64_t clustered_recognitions = 1'000'000;  ///< 0: clustering is not timed
-  double seconds = 0.3;                         ///< per measurement
-  /// number of bits in which query frames differ from training frames
+  uint64_t clustered_recognitions = 1'000'000;
+  double seconds = 0.3;
   uint64_t changed_bits = 150;
-  /// Length of generated vectors, compared by 1 - cos; 0: LDB codes. Methods that need LDB codes
-  /// are then omitted.
   uint64_t descriptor_length = 0;
-  uint64_t precision = 16;             ///< bits per value of these vectors: 16 or 8
-  uint64_t ring_bytes = 512ULL << 20;  ///< maximum memory of FastABLE's ring
+  uint64_t precision = 16;
+  uint64_t ring_bytes = 512ULL << 20;
   LshSettings lsh = {};
 };
 
@@ -56,9 +53,9 @@ void visit_fields(MatchingBenchSettings& settings, Visitor&& visit) {
   visit("c_l", settings.window_lengths, "Window lengths.");
   visit("query_frames", settings.query_frames, "Query lengths, in frames.");
   visit("clustered_recognitions", settings.clustered_recognitions,
-        "Recognitions to cluster; 0: none.");
+        "Recognitions to cluster, or 0.");
   visit("seconds", settings.seconds, "Least time of a measurement.", above(0));
-  visit("changed_bits", settings.changed_bits, "Changed bits per frame.");
+  visit("changed_bits", settings.changed_bits, "Bits that differ between matching frames.");
   visit("descriptor_length", settings.descriptor_length,
         "Dimensions of generated vectors that replace LDB codes; 0: LDB codes.");
   visit("precision", settings.precision, "Bits per value: 8 or 16.");
@@ -85,8 +82,8 @@ BenchResult bench_matching(const MatchingBenchSettings& settings,
 /// Settings of vpr-bench describe.
 struct DescribeBenchSettings {
   std::vector<std::string> feature_kinds = {"surf", "sift", "kaze", "akaze", "orb", "brisk"};
-  uint64_t frames = 20;  ///< number of different frames, used in turn
-  double seconds = 1;    ///< per measurement
+  uint64_t frames = 20;
+  double seconds = 1;
   FeatureSettings feature_settings;
 };
 
@@ -106,11 +103,11 @@ struct FabmapBenchSettings {
   std::vector<uint64_t> words = {10'000};
   std::vector<uint64_t> words_per_frame = {200};
   uint64_t pretrain_frames = 1000;
-  uint64_t descriptors = 20'000;      ///< of 64 values, for k-means; 0: not timed
-  uint64_t iterations = 20;           ///< of k-means
-  double seconds = 0.3;               ///< per measurement
-  double slow_limit = 1'000'000'000;  ///< places x words above which slow variants are omitted
-  double frame_ms = 0;                ///< time of a frame's features, included in frames per second
+  uint64_t descriptors = 20'000;
+  uint64_t iterations = 20;
+  double seconds = 0.3;
+  double slow_limit = 1'000'000'000;
+  double frame_ms = 0;
 };
 
 VPR_FIELDS(FabmapBenchSettings, (variants, "Variants to time."),
@@ -131,9 +128,9 @@ BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
 
 /// Settings of vpr-bench training.
 struct TrainingBenchSettings {
-  std::vector<uint64_t> databases = {5000, 10'000, 20'000, 40'000};  ///< frames
-  uint64_t descriptor_length = 464;                                  ///< of generated vectors
-  uint64_t precision = 16;  ///< bits per value of these vectors: 16 or 8
+  std::vector<uint64_t> databases = {5000, 10'000, 20'000, 40'000};
+  uint64_t descriptor_length = 464;
+  uint64_t precision = 16;
 };
 
 VPR_FIELDS(TrainingBenchSettings, (databases, "Database sizes, in frames."),
@@ -148,18 +145,18 @@ BenchResult bench_training(const TrainingBenchSettings& settings, uint64_t seed,
                            const Monitor& monitor);
 
 struct RealtimeBenchSettings {
-  std::string method = "fastable";  ///< or "filter"
+  std::string method = "fastable";
   Score score = Score::raw;
   double rate_hz = 10;
-  uint64_t frames = 100;        ///< maximum number of query frames
-  uint64_t window_length = 40;  ///< c_l
+  uint64_t frames = 100;
+  uint64_t window_length = 40;
 };
 
 template <class Visitor>
 void visit_fields(RealtimeBenchSettings& settings, Visitor&& visit) {
-  visit("method", settings.method, "Matching method.");
+  visit("method", settings.method, "Matching method: fastable or filter.");
   visit("score", settings.score, "Summands of window scores.");
-  visit("rate", settings.rate_hz, "Frame rate of the query.");
+  visit("rate", settings.rate_hz, "Frame rate of the query, in Hz.");
   visit("query_frames", settings.frames, "Frames of the query at most.");
   visit("c_l", settings.window_length, "Window length in frames.");
 }

@@ -38,8 +38,7 @@ void visit_fields(TrainSequence& train, Visitor&& visit) {
 template <class Visitor>
 void visit_fields(TrainStatistics& statistics, Visitor&& visit) {
   visit_fields(statistics.settings, visit);
-  visit("typical_distance", statistics.typical_distance, "Mean distance of training frames.",
-        at_least(0));
+  visit("typical_distance", statistics.typical_distance, "Mean distance of frames.", at_least(0));
   visit("code_distance", IfSet{statistics.code_distance},
         "The same for LDB codes alone, with the descriptor ldb+hog.", at_least(0));
 }
@@ -64,12 +63,10 @@ void visit_fields(Manifest& manifest, Visitor&& visit) {
   visit("method", Derived{enum_name(DatabaseFamily::sequences)}, "fastable or fabmap.");
   visit("descriptor", manifest.descriptor, "Descriptor of the frames.");
   visit("length", IfSet{manifest.length}, "Dimensions of vectors, or bits.", at_least(1));
-  visit("unit", IfSet{manifest.unit}, "Value of the coordinate 1, for points and directions.",
-        above(0));
+  visit("unit", IfSet{manifest.unit}, "Value of the coordinate 1, for points.", above(0));
   visit("features", IfSet{manifest.features}, "Local features of keyframes.");
   visit("settings", database.descriptor, "Description settings.");
-  visit("sequences", database.sequences,
-        "Training sequences, in the order of their codes; of sequence methods.");
+  visit("sequences", database.sequences, "Training sequences, in the order of their codes.");
   visit("thresholds", database.thresholds,
         "Sources of automatic thresholds, one entry per window length; sequence methods only.");
   visit("overlapping_sequences", IfSet{manifest.overlapping_sequences},

@@ -75,9 +75,6 @@ struct SequenceDatabase {
   std::string fingerprint;  ///< of a stored database; changes with every bit of content
 };
 
-/// The schema of its manifest, for docs/schemas.
-Json sequence_manifest_schema();
-
 /// Verifies every file. Throws Error(input) if a file is missing; Error(data) if it is damaged or
 /// belongs to another method, unknown descriptors or another version.
 SequenceDatabase read_sequence_database(const std::filesystem::path& path);
@@ -89,6 +86,7 @@ void write_sequence_database(const std::filesystem::path& path, const SequenceDa
 
 /// The fingerprint that the database has once it is written.
 std::string database_fingerprint(const SequenceDatabase& database);
+Json sequence_manifest_schema();
 
 /// The names of the training sequences.
 std::vector<std::string> names_of(const SequenceDatabase& database);

@@ -48,12 +48,10 @@ struct RepeatedPlace {
 
 /// The training frames that each training frame is compared with.
 struct StatisticsSettings {
-  /// Frames of the same sequence up to max(neighbor_frames, neighbor_share * number of frames)
-  /// away show nearly the same place and are excluded.
   uint64_t neighbor_frames = 5;
   double neighbor_share = 0.02;
-  uint64_t samples = 10'000;  ///< training frames to compare with; at most all of them
-  uint64_t seed = 1;          ///< for choosing them
+  uint64_t samples = 10'000;
+  uint64_t seed = 1;
 
   bool operator==(const StatisticsSettings&) const = default;
 };

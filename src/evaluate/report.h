@@ -161,11 +161,9 @@ Report parse_report(const Json& json, const std::string& where);
 /// without a match in the ground truth.
 std::string outcome_letters(const Outcomes& outcomes);
 
-/// The schemas of a report and of several, for docs/schemas.
+/// Several reports in one file, and the schemas of one and of several.
+Json reports_json(std::span<const Report> reports, const RunInfo& run, double seconds);
 Json report_schema();
 Json reports_schema();
-
-/// Several reports in one file.
-Json reports_json(std::span<const Report> reports, const RunInfo& run, double seconds);
 
 }  // namespace vpr

@@ -50,8 +50,7 @@ void visit_fields(CurveNumbers& numbers, Visitor&& visit) {
         }},
         "Score at which each metric is reached.");
   visit("tied_queries", IfSet{numbers.tied_queries}, "Queries whose best score is tied.");
-  visit("same_without_score", IfSet{numbers.same_without_score},
-        "Pairs of the same place without a score.");
+  visit("same_without_score", IfSet{numbers.same_without_score}, "Same places without a score.");
   visit("ignored", IfSet{numbers.ignored}, "Pairs labeled ignore.");
 }
 

@@ -45,9 +45,10 @@ std::string number_words(const Outcomes& outcomes, const Number& number_of) {
 }
 
 template <class T, class Set>
-void read_number_words(const std::string& text, const char* key, const Fields& fields,
-                       Outcomes& outcomes, const Set& set) {
-  const auto words = text.empty() ? std::vector<std::string_view>() : split(text, ' ');
+bool read_number_words(const std::optional<std::string>& text, const char* key,
+                       const Fields& fields, Outcomes& outcomes, const Set& set) {
+  if (!text) return false;
+  const auto words = text->empty() ? std::vector<std::string_view>() : split(*text, ' ');
   if (words.size() != outcomes.queries.size()) fields.fail("its outcomes do not fit each other");
   for (size_t q = 0; q < words.size(); ++q) {
     if (words[q] == "-") continue;
@@ -55,6 +56,7 @@ void read_number_words(const std::string& text, const char* key, const Fields& f
     if (!number) fields.fail(fmt::format("one of its {} is not a number", key));
     set(outcomes.queries[q], *number);
   }
+  return true;
 }
 
 /// A letter and numbers per query window, and a letter per frame.
@@ -114,20 +116,16 @@ void read_outcomes(const Fields& fields, const OutcomeTexts& texts, Outcomes& ou
     query.verdict = found->verdict;
     query.has_match = found->has_match;
   }
-  outcomes.has_scores = texts.scores.has_value();
-  if (texts.scores)
-    read_number_words<double>(
-        *texts.scores, "scores", fields, outcomes,
-        [&](QueryOutcome& query, double score) { query.key = score_key(score, outcomes.kind); });
+  outcomes.has_scores = read_number_words<double>(
+      texts.scores, "scores", fields, outcomes,
+      [&](QueryOutcome& query, double score) { query.key = score_key(score, outcomes.kind); });
   outcomes.known_ranks = texts.known_ranks.value_or(outcomes.known_ranks);
-  outcomes.has_margins = texts.margins.has_value();
-  if (texts.margins)
-    read_number_words<double>(*texts.margins, "margins", fields, outcomes,
-                              [](QueryOutcome& query, double margin) { query.margin = margin; });
-  outcomes.has_ranks = texts.ranks.has_value();
-  if (texts.ranks)
-    read_number_words<size_t>(*texts.ranks, "ranks", fields, outcomes,
-                              [](QueryOutcome& query, size_t rank) { query.rank = rank; });
+  outcomes.has_margins =
+      read_number_words<double>(texts.margins, "margins", fields, outcomes,
+                                [](QueryOutcome& query, double margin) { query.margin = margin; });
+  outcomes.has_ranks =
+      read_number_words<size_t>(texts.ranks, "ranks", fields, outcomes,
+                                [](QueryOutcome& query, size_t rank) { query.rank = rank; });
   for (const char letter : texts.recognized) {
     const size_t verdict = kVerdictLetters.find(letter);
     if (verdict == std::string_view::npos) fields.fail("its verdicts do not fit its outcomes");
@@ -168,11 +166,9 @@ void visit_fields(Estimate& estimate, Visitor&& visit) {
 }
 
 VPR_FIELDS(ReportedCluster, (sequence, "Name of the training sequence."),
-           (query,
-            "Query frame: the anchor of the mean of a place, or the middle frame of a path."),
+           (query, "Query frame: the anchor of the mean of a place, or the middle of a path."),
            (query_range, "Query frames: the anchors of the first and last window."),
-           (train,
-            "Training frame: the anchor of the mean of a place, or the middle frame of a path."),
+           (train, "Training frame: the anchor of the mean of a place, or the middle of a path."),
            (train_range, "Training frames: the anchors of the first and last window."),
            (label, "Label of the pair."), (recognitions, "Recognitions of the place."))
 
@@ -291,8 +287,7 @@ void visit_fields(Report& report, Visitor&& visit) {
   visit("clusters", IfSet{report.recognitions},
         "Places of a sequence result, in its order, with their recognitions.");
   if (has_truth)
-    visit("metrics", report.metrics, "The field's metrics (docs/reference/metrics.md).",
-          kMayBeMissing);
+    visit("metrics", report.metrics, "Metrics, as in docs/reference/metrics.md.", kMayBeMissing);
   visit("localization", NestedObject{[&](auto&& inner) {
           visit_metrics(report.frames.localization, &Metric::of_path, report.frames.by, inner);
         }},
@@ -304,8 +299,7 @@ void visit_fields(Report& report, Visitor&& visit) {
         "The threshold of recognitions was chosen from the ground truth (scores without "
         "--threshold).");
   if (has_truth)
-    visit("curves", report.curves, "Precision-recall curves, at most 100 points each.",
-          kMayBeMissing);
+    visit("curves", report.curves, "Precision-recall curves, of up to 100 points.", kMayBeMissing);
   Outcomes& outcomes = report.frames.outcomes;
   std::vector<Verdict>& verdicts = report.frames.verdicts;
   visit("outcomes",
@@ -377,8 +371,23 @@ std::string outcome_letters(const Outcomes& outcomes) {
 
 namespace {
 
-Json embedded_report_schema() {
-  Json schema = with_kind("report", schema_of<Report>());
+/// A report in a file of several.
+struct NamedReport {
+  std::string name;
+  Json report;
+};
+VPR_FIELDS(NamedReport, (name, "Name of the result (--name)."),
+           (report, "Report without machine and timing.", kAs<Report>))
+
+struct ReportsFile {
+  std::vector<NamedReport> reports;
+};
+VPR_FILE(ReportsFile, "reports", (reports, "In the order in which the results were given."))
+
+}  // namespace
+
+Json report_schema() {
+  Json schema = with_run(schema_of<Report>());
   schema["oneOf"] = {{{"required", {"judged"}}},
                      {{"required", {"best_match", "metrics", "curves"}}}};
   schema["properties"]["provenance"]["oneOf"] = {{{"required", {"result"}}},
@@ -386,31 +395,13 @@ Json embedded_report_schema() {
   return schema;
 }
 
-/// A report in a file of several.
-struct NamedReport {
-  std::string name;
-  Json report;
-};
-VPR_FIELDS(NamedReport, (name, "Name of the result (--name)."),
-           (report, "A report (vpr.report/5) without machine and timing."))
-
-}  // namespace
-
-Json report_schema() { return with_run(embedded_report_schema()); }
-
-Json reports_schema() {
-  SchemaVisitor visit{SchemaForm::data};
-  visit("reports", std::vector<NamedReport>(), "In the order in which the results were given.");
-  visit.object["properties"]["reports"]["items"]["properties"]["report"].update(
-      embedded_report_schema());
-  return with_run(visit.object);
-}
+Json reports_schema() { return with_run(schema_of<ReportsFile>()); }
 
 Json reports_json(std::span<const Report> reports, const RunInfo& run, double seconds) {
-  Json json = {{"schema", schema_name("reports")}, {"reports", Json::array()}};
+  ReportsFile file;
   for (const Report& report : reports)
-    json["reports"].push_back(
-        value_to_json(NamedReport{report.row_name, report_json(report)}, kDataForm));
+    file.reports.push_back({report.row_name, report_json(report)});
+  Json json = value_to_json(file, kDataForm);
   add_run(json, run, {{"evaluate", seconds}});
   return json;
 }

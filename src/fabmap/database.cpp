@@ -273,21 +273,14 @@ struct DatabaseInfo {
   size_t words = 0, pretraining_frames = 0, views = 0, featureless_views = 0;
   std::vector<std::string> places;
   Provenance provenance;
+  std::string_view method = enum_name(DatabaseFamily::fabmap);
 };
 
-template <class Visitor>
-void visit_fields(DatabaseInfo& info, Visitor&& visit) {
-  visit("schema", Derived{schema_name("database-info")});
-  visit("method", Derived{enum_name(DatabaseFamily::fabmap)}, "fastable or fabmap.");
-  visit("settings", info.settings,
-        "Settings that can change the numbers; keys are the names of flags.");
-  visit("words", info.words, "Words of the vocabulary.");
-  visit("pretraining_frames", info.pretraining_frames, "Frames of vocabulary.");
-  visit("views", info.views, "Views of all places.");
-  visit("featureless_views", info.featureless_views, "Frames without words.");
-  visit("places", info.places, "Names of the places.");
-  visit("provenance", info.provenance, kProvenanceText);
-}
+VPR_FILE(DatabaseInfo, "database-info", (method, "fastable or fabmap."),
+         (settings, "Settings that can change the numbers; keys are the names of flags."),
+         (words, "Words of the vocabulary."), (pretraining_frames, "Frames of vocabulary."),
+         (views, "Views of all places."), (featureless_views, "Frames without words."),
+         (places, "Names of the places."), (provenance, kProvenanceText))
 
 }  // namespace
 

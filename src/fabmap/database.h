@@ -28,10 +28,8 @@ inline constexpr std::array<std::string_view, 2> kEnumNames<Clustering> = {"kmea
 struct FabmapTrainSettings {
   FeatureSettings features;
   Clustering clustering = Clustering::kmeans;
-  /// number of words requested from k-means; in a database: the number of words
   uint64_t words = 1000;
-  uint64_t iterations = 20;  ///< maximum number of Lloyd steps
-  /// of radius clustering: a descriptor farther than this from all centers becomes one
+  uint64_t iterations = 20;
   double radius = 0.4;
   bool skip_unreadable = false;
 };
@@ -42,7 +40,8 @@ void visit_fields(FabmapTrainSettings& settings, Visitor&& visit) {
   visit("clustering", settings.clustering, "How words were found.");
   visit("words", settings.words, "Words of the vocabulary.");
   visit("iterations", settings.iterations, "Largest number of k-means steps.");
-  visit("radius", settings.radius, "Radius of radius clustering.");
+  visit("radius", settings.radius,
+        "Descriptors farther than this from all words become words (radius).");
   visit("skip_unreadable", settings.skip_unreadable);
 }
 
@@ -102,8 +101,6 @@ std::string database_fingerprint(const FabmapDatabase& database);
 
 /// The report of vpr-train info (vpr.database-info/3).
 Json database_json(const FabmapDatabase& database, const RunInfo& run);
-
-/// The schemas of manifest.json and of database_json, for docs/schemas.
 Json fabmap_manifest_schema();
 Json fabmap_info_schema();
 

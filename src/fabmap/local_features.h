@@ -20,9 +20,9 @@ inline constexpr std::array<std::string_view, 6> kEnumNames<FeatureKind> = {
 /// Settings of all kinds; only those of `kind` are used.
 struct FeatureSettings {
   FeatureKind kind = FeatureKind::surf;
-  int64_t surf_points = 1000;   ///< maximum number
-  double surf_threshold = 30;   ///< of dlib's detector
-  int64_t sift_features = 400;  ///< number of strongest features
+  int64_t surf_points = 1000;
+  double surf_threshold = 30;
+  int64_t sift_features = 400;
   double sift_contrast = 0.04;
   double kaze_threshold = 0.001;
   double akaze_threshold = 0.001;

@@ -59,10 +59,10 @@ struct LoopProtocol {
 template <class Visitor>
 void visit_fields(LoopProtocol& protocol, Visitor&& visit) {
   visit("radius_m", protocol.radius_m, "Largest distance of a loop.", at_least(0));
-  visit("gap_s", protocol.gap_s,
-        "Seconds between the two frames of a loop at least; null: in frames.", above(0));
+  visit("gap_s", protocol.gap_s, "Least time between the frames of a loop; null: gap_frames.",
+        above(0));
   visit("gap_frames", protocol.gap_frames,
-        "Frames between the two frames of a loop at least; null: in seconds.", at_least(1));
+        "Least frames between the frames of a loop; null: gap_s.", at_least(1));
   visit("loop", protocol.loop, "Definition of verdicts.");
   visit("frames", protocol.frames, "Definition of recall and precision.");
   visit("revisits", protocol.revisits, "Definition of a revisit.");
@@ -163,20 +163,14 @@ struct LoopsFile {
   Provenance provenance;
 };
 
-template <class Visitor>
-void visit_fields(LoopsFile& file, Visitor&& visit) {
-  visit("schema", Derived{schema_name("loops")});
-  visit("name", file.name, "Name of the list (--name; default: its file).");
-  visit("protocol", file.protocol, "Definition of a loop, in words and numbers.");
-  visit("trajectory", file.trajectory, "The trajectory.");
-  visit("loops", file.loops, "The loops of the list.");
-  visit("frames", file.frames, "The frames of the trajectory.");
-  visit("revisits", file.revisits, "Stretches of consecutive frames with a loop.");
-  visit("incorrect_loops", file.incorrect_loops, "Every incorrect loop, in the order of the list.");
-  visit("metrics", file.metrics, "Metrics of the curve; null without scores.");
-  visit("curve", file.curve, "The curve, at most 100 points; null without scores.");
-  visit("provenance", file.provenance, kProvenanceText);
-}
+VPR_FILE(LoopsFile, "loops", (name, "Name of the list (--name; default: its file)."),
+         (protocol, "Definition of a loop, in words and numbers."), (trajectory, "The trajectory."),
+         (loops, "The loops of the list."), (frames, "The frames of the trajectory."),
+         (revisits, "Stretches of consecutive frames with a loop."),
+         (incorrect_loops, "Every incorrect loop, in the order of the list."),
+         (metrics, "Metrics of the curve; null without scores."),
+         (curve, "The curve, at most 100 points; null without scores."),
+         (provenance, kProvenanceText))
 
 TrajectoryCounts counts_of(const Trajectory& trajectory) {
   const auto known = std::ranges::count_if(trajectory.poses, &std::optional<Pose>::has_value);

@@ -20,10 +20,8 @@ struct LoopsEvaluation {
   LoopJudgment judgment;
 };
 
-/// The report without "machine" and "timing".
+/// The report without "machine" and "timing", and the schema of the whole file.
 Json loops_json(const LoopsEvaluation& evaluation, const RunInfo& run);
-
-/// The schema of the whole file, for docs/schemas.
 Json loops_schema();
 
 /// The sentence, the mean values and the first mistakes in at most 12 lines of 80 columns.

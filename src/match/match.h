@@ -81,8 +81,8 @@ void send_row(const Sinks& sinks, std::span<const ScoreRow> row);
 /// Settings of the method `lsh`.
 struct LshSettings {
   uint64_t tables = 8;
-  uint64_t key_bits = 0;     ///< of a bucket; 0: log2 of the windows of a sequence, plus three
-  uint64_t probe_level = 2;  ///< number of differing bits up to which keys are probed as well
+  uint64_t key_bits = 0;
+  uint64_t probe_level = 2;
 };
 
 VPR_FIELDS(LshSettings, (tables, "Number of hash tables."),
@@ -91,16 +91,9 @@ VPR_FIELDS(LshSettings, (tables, "Number of hash tables."),
 
 /// Settings of the method `filter`.
 struct FilterSettings {
-  /// Weight of the training statistics in z-scores, in keyframes, in place of kStartWeight: paths
-  /// soon have more to learn from.
   double start_weight = 2;
-  /// A frame that differs from the last keyframe by at least this share of the typical distance is
-  /// a keyframe, in the query and in training sequences; the filter steps from keyframe to
-  /// keyframe.
   double keyframe_change = 0.15;
-  uint64_t near_keyframes = 10;  ///< exclusion zone around the best keyframe, in training keyframes
-  /// Minimum length of a recognized path, in query keyframes. It recognizes frames that are half to
-  /// one and a half times as many keyframes old, and at its beginning up to four times.
+  uint64_t near_keyframes = 10;
   uint64_t path_keyframes = 16;
 };
 

@@ -125,13 +125,10 @@ void visit_fields(ComparedReport& report, Visitor&& visit) {
   visit("method", report.method, "Method of the report.");
   visit("ground_truth", report.ground_truth, "Its protocol, in words.");
   visit("frames", report.frames, "Frames with a match that its numbers are over.");
-  visit("paired", report.paired,
-        "Whether its queries are those of the first report, frame by frame.");
+  visit("paired", report.paired, "Whether its query frames are those of the first report.");
   visit("localization", report.localization, "Over the frames with a match.");
-  visit("oracle", report.oracle,
-        "Whether the threshold of its recognitions was chosen from the ground truth.");
-  visit("confidence", report.confidence,
-        "Acceptance of best matches in AP, R@100P, max F1 and curves.");
+  visit("oracle", report.oracle, "Whether the ground truth chose the threshold of recognitions.");
+  visit("confidence", report.confidence, "Acceptance of best matches in AP, R@100P and curves.");
   visit("fingerprint", report.fingerprint, "Checksum of the judged result or matrix.", kIsChecksum);
   visit("pairs", IfSet{report.pairs}, "Accepted pairs of a result, over all of its frames.");
   visit("selection", IfSet{report.selection},
@@ -147,8 +144,7 @@ struct ComparedFrames {
 VPR_FIELDS(ComparedFrames, (compared, "All frames of the query, or those of --common."),
            (with_match, "Those with a match."),
            (disputed, "Omitted frames that only some ground truths have a match for."),
-           (only_common,
-            "Only frames for which every paired report has a best match that is not ignored."))
+           (only_common, "Only frames for which every paired report has a judged best match."))
 
 struct BootstrapSettings {
   size_t block = 0, resamples = 0;
@@ -182,18 +178,13 @@ struct ComparisonFile {
   Provenance provenance;
 };
 
-template <class Visitor>
-void visit_fields(ComparisonFile& file, Visitor&& visit) {
-  visit("schema", Derived{schema_name("comparison")});
-  visit("query", file.query, "Name of the query, of the first report.");
-  visit("reports", file.reports, "Compared reports; the others are compared with the first.");
-  visit("ground_truths", file.ground_truths, "Whether the reports have one ground truth.");
-  visit("frames", file.frames, "Query frames that the comparison is over.");
-  visit("bootstrap", file.bootstrap, "Computation of intervals.");
-  visit("metrics", file.metrics, "One entry for each metric and report.");
-  visit("protocol", file.protocol, "Definition of the comparison, in words.");
-  visit("provenance", file.provenance, kProvenanceText);
-}
+VPR_FILE(ComparisonFile, "comparison", (query, "Name of the query, of the first report."),
+         (reports, "Compared reports; the others are compared with the first."),
+         (ground_truths, "Whether the reports have one ground truth."),
+         (frames, "Query frames that the comparison is over."),
+         (bootstrap, "Computation of intervals."),
+         (metrics, "One entry for each metric and report."),
+         (protocol, "Definition of the comparison, in words."), (provenance, kProvenanceText))
 
 /// A comparison in a file of several.
 struct NamedComparison {
@@ -201,7 +192,15 @@ struct NamedComparison {
   Json comparison;
 };
 VPR_FIELDS(NamedComparison, (data_set, "Its name: of --data-set, or of the query."),
-           (comparison, "The comparison on it, without machine and timing."))
+           (comparison, "The comparison on it, without machine and timing.", kAs<ComparisonFile>))
+
+struct ComparisonsFile {
+  std::vector<NamedComparison> comparisons;
+  Provenance provenance;
+};
+VPR_FILE(ComparisonsFile, "comparisons",
+         (comparisons, "One per data set, in the order of their first reports."),
+         (provenance, kProvenanceText))
 
 ComparedReport compared_report(const ComparisonReport& comparison, size_t r) {
   const Report& report = comparison.reports[r];
@@ -378,26 +377,15 @@ Json comparison_json(const ComparisonReport& comparison) {
 
 Json comparisons_json(std::span<const ComparisonReport> comparisons) {
   if (comparisons.size() == 1) return comparison_json(comparisons.front());
-  Json json = {{"schema", schema_name("comparisons")}};
-  std::vector<NamedComparison> all;
+  ComparisonsFile file{{}, comparisons.front().made_by};
   for (const ComparisonReport& comparison : comparisons)
-    all.push_back({comparison.data_set, comparison_json(comparison)});
-  json["comparisons"] = value_to_json(all, kDataForm);
-  json["provenance"] = value_to_json(comparisons.front().made_by);
-  return json;
+    file.comparisons.push_back({comparison.data_set, comparison_json(comparison)});
+  return value_to_json(file, kDataForm);
 }
 
 Json comparison_schema() { return with_run(schema_of<ComparisonFile>()); }
 
-Json comparisons_schema() {
-  SchemaVisitor visit{SchemaForm::data};
-  visit("comparisons", std::vector<NamedComparison>(),
-        "One per data set, in the order of their first reports.");
-  visit("provenance", Provenance(), kProvenanceText);
-  visit.object["properties"]["comparisons"]["items"]["properties"]["comparison"].update(
-      with_kind("comparison", schema_of<ComparisonFile>()));
-  return with_run(visit.object);
-}
+Json comparisons_schema() { return with_run(schema_of<ComparisonsFile>()); }
 
 SideBySide side_by_side(const ComparisonReport& comparison) {
   const std::vector<Report>& reports = comparison.reports;

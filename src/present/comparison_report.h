@@ -63,8 +63,6 @@ void compare_reports(ComparisonReport& comparison, const Monitor& monitor);
 Json comparison_json(const ComparisonReport& comparison);
 /// The comparison of one data set, or the list of several.
 Json comparisons_json(std::span<const ComparisonReport> comparisons);
-
-/// The schemas of both, with "machine" and "timing", for docs/schemas.
 Json comparison_schema();
 Json comparisons_schema();
 

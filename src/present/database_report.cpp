@@ -49,15 +49,12 @@ struct Line {
 
 /// An automatic threshold at one window length.
 struct AutomaticThreshold {
-  size_t window_length = 0;
+  size_t c_l = 0;
   std::optional<double> bits;
 };
 
-template <class Visitor>
-void visit_fields(AutomaticThreshold& threshold, Visitor&& visit) {
-  visit("c_l", threshold.window_length, "Window length in frames.");
-  visit("bits", threshold.bits, "Automatic t_r in bits per frame, safety factor applied.");
-}
+VPR_FIELDS(AutomaticThreshold, (c_l, "Window length in frames."),
+           (bits, "Automatic t_r in bits per frame, safety factor applied."))
 
 struct SequenceInfo {
   Sequence sequence;
@@ -69,8 +66,7 @@ void visit_fields(SequenceInfo& info, Visitor&& visit) {
   visit_sequence(info.sequence, visit, [&] {
     visit("unreadable", Derived{info.sequence.unreadable.size()}, "Undecodable frames.");
   });
-  visit("t_r", info.thresholds,
-        "Automatic thresholds, one for each window length that was trained for.");
+  visit("t_r", info.thresholds, "Automatic thresholds, one for each trained window length.");
 }
 
 /// What vpr-train --json prints.
@@ -109,8 +105,7 @@ void visit_fields(ThresholdEntry& entry, Visitor&& visit) {
   visit("c_l", entry.window_length, "Window length in frames.");
   visit("t_r", entry.threshold, "Automatic threshold.");
   visit("t_r_scale", IfSet{entry.scale}, "Scale of t_r.");
-  visit("distance", IfSet{entry.distance},
-        "Summed distance of the closest window of another sequence.");
+  visit("distance", IfSet{entry.distance}, "Distance of the closest window of another sequence.");
   visit("own_frames", IfSet{entry.own_frames}, "Window: sequence, first, last frame.");
   visit("closest_frames", IfSet{entry.closest_frames}, "Window: sequence, first, last frame.");
 }
@@ -121,13 +116,9 @@ struct ThresholdsFile {
   Provenance provenance;
 };
 
-template <class Visitor>
-void visit_fields(ThresholdsFile& file, Visitor&& visit) {
-  visit("schema", Derived{schema_name("thresholds")});
-  visit("safety_factor", file.safety_factor, "Factor of the closest distance.");
-  visit("thresholds", file.thresholds, "One entry for each training sequence and window length.");
-  visit("provenance", file.provenance, kProvenanceText);
-}
+VPR_FILE(ThresholdsFile, "thresholds", (safety_factor, "Factor of the closest distance."),
+         (thresholds, "One entry for each training sequence and window length."),
+         (provenance, kProvenanceText))
 
 std::vector<Line> lines_of(std::span<const TrainSequence> sequences,
                            const std::vector<ThresholdTable>& thresholds) {

@@ -22,8 +22,6 @@ std::string database_text(const SequenceDatabase& database, const std::string& n
 Json thresholds_json(std::span<const TrainSequence> sequences,
                      const std::vector<ThresholdTable>& thresholds, double safety_factor,
                      const RunInfo& run);
-
-/// The schemas of database_json and thresholds_json, for docs/schemas.
 Json sequence_info_schema();
 Json thresholds_schema();
 

@@ -17,12 +17,10 @@ struct LineFrame {
   bool is_readable = true;
 };
 
-/// docs/schemas/live.schema.json. `shape`: LiveQuery::shape. Nullopt `answer`: the frame ends no
+/// A line, and its schema. `shape`: LiveQuery::shape. Nullopt `answer`: the frame ends no
 /// window.
 Json live_line(const LineFrame& frame, const Result& shape,
                const std::optional<LiveAnswer>& answer);
-
-/// The schema of a line, for docs/schemas.
 Json live_schema();
 
 class LiveLines {

@@ -17,8 +17,7 @@ namespace vpr {
 template <class Visitor>
 void visit_fields(UsedStatistics& statistics, Visitor&& visit) {
   visit_fields(statistics.settings, visit);
-  visit("typical_distance", statistics.typical_distance, "Mean distance of training frames.",
-        at_least(0));
+  visit("typical_distance", statistics.typical_distance, "Mean distance of frames.", at_least(0));
 }
 
 VPR_FIELDS(SearchRecall, (windows, "Windows with a match."), (found_best, "Best ones found."),
@@ -88,12 +87,12 @@ void visit_query(ResultContent& content, Visitor&& visit) {
   Result& result = content.result;
   visit_sequence(result.query, visit, [&] {
     visit("windows", result.query_windows,
-          "Windows that were matched: frames - c_l + 1; in FAB-MAP the frames.");
+          "Matched windows: frames - c_l + 1; in FAB-MAP the frames.");
     visit("unreadable", result.query.unreadable, kUnreadableText);
   });
   if (content.has_places())
     visit("featureless", result.places->featureless,
-          "Frames without visual words; they are not recognized.");
+          "Frames without visual words, never recognized.");
 }
 
 template <class Visitor>

@@ -46,10 +46,8 @@ QuerySettings read_query_settings(const Fields& file);
 /// A result file with a valid checksum. Throws as read_result does.
 Json read_result_json(const std::filesystem::path& path);
 
-/// The JSON, with the files that the context has.
+/// The JSON, with the files that the context has, and its schema.
 Json result_json(const Result& result, const ResultContext& context);
-
-/// The schema of a result, for docs/schemas.
 Json result_schema();
 
 /// Writes the arrays and the JSON, which it returns; the caller commits. The JSON has the checksums

@@ -303,14 +303,9 @@ struct WorldInfo {
   size_t walks = 0, frames = 0, places = 0, views = 0;
 };
 
-template <class Visitor>
-void visit_fields(WorldInfo& info, Visitor&& visit) {
-  visit("schema", Derived{schema_name("world-info")});
-  visit("walks", info.walks, "Walks that were rendered.");
-  visit("frames", info.frames, "Frames of all walks.");
-  visit("places", info.places, "Places of FAB-MAP.");
-  visit("views", info.views, "Views of all places.");
-}
+VPR_FILE(WorldInfo, "world-info", (walks, "Walks that were rendered."),
+         (frames, "Frames of all walks."), (places, "Places of FAB-MAP."),
+         (views, "Views of all places."))
 
 }  // namespace
 
@@ -319,7 +314,13 @@ Json recording_json(const World& world, const RecordingSize& size) {
                        kDataForm);
 }
 
-Json world_schema() { return schema_of<World>(SchemaForm::partial); }
+Json world_schema() {
+  SchemaVisitor visit{SchemaForm::partial};
+  visit("schema", Derived{schema_name("world")});
+  World world;
+  visit_fields(world, visit);
+  return visit.object;
+}
 
 Json world_info_schema() { return schema_of<WorldInfo>(); }
 

@@ -40,8 +40,6 @@ struct RecordingSize {
 };
 
 Json recording_json(const World& world, const RecordingSize& size);
-
-/// The schemas of a world and of recording_json, for docs/schemas.
 Json world_schema();
 Json world_info_schema();
 

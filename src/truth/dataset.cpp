@@ -41,14 +41,13 @@ auto required_text(std::string& text) {
 
 template <class Visitor>
 void visit_sequence(NamedSequence& named, const fs::path& folder, Visitor&& visit) {
-  visit("name", required_text(named.name), "Name; default: from its path.", kAs<std::string>,
-        kRequired);
+  visit("name", required_text(named.name), "Name of the sequence.", kRequired);
   visit("sequence", ReadField{[&](const Fields& fields, const std::string& key) {
           named.sequence = sequence_argument(fields.text(key), folder);
         }},
-        "Folder, list or video, with a range.", kAs<std::string>, kRequired);
+        "Folder, list or video, with a range.", kRequired);
   visit("poses", path_field(named.poses, folder),
-        "CSV frame,x,y with optional heading and floor: positions, in m.", kAs<std::string>);
+        "CSV frame,x,y with optional heading and floor: positions, in m.");
 }
 
 /// A ground truth and the folder of its file.
@@ -60,14 +59,13 @@ struct TruthInFile {
 template <class Visitor>
 void visit_fields(TruthInFile& file, Visitor&& visit) {
   GroundTruthArgument& argument = file.argument;
-  visit("path", path_field(argument.path, file.folder), "Path, relative to this file.",
-        kAs<std::string>);
+  visit("path", path_field(argument.path, file.folder), "Relative to this file.");
   visit("format", argument.format, "Format or preset; default: by content.");
   visit("tolerance", argument.tolerance_frames, "Tolerance, in frames.", at_least(0));
   visit_fields(argument.options,
                [&](const char* name, auto& option, std::string_view text, const auto&... hints) {
                  if constexpr (std::is_same_v<decltype(option), fs::path&>)
-                   visit(name, path_field(option, file.folder), text, kAs<std::string>);
+                   visit(name, path_field(option, file.folder), text);
                  else
                    visit(name, option, text, hints...);
                });
@@ -97,10 +95,9 @@ void visit_fields(DatasetFile& file, Visitor&& visit) {
   using Texts = std::vector<std::string>;
   Dataset& dataset = file.dataset;
   const fs::path& base = file.folder;
-  std::string schema;
-  visit("schema", schema);
+  visit("schema", Derived{schema_name("dataset")});
   visit("name", required_text(dataset.name), "Name of the data set in tables and pages.",
-        kAs<std::string>, kRequired);
+        kRequired);
   visit("fps", dataset.frames_per_second, "Frames per second of the recordings.", at_least(0));
   visit("pretrain", sequences_field(dataset.pretrain, base), "Vocabulary sequences.", kAs<Texts>);
   visit("train",
@@ -110,8 +107,7 @@ void visit_fields(DatasetFile& file, Visitor&& visit) {
   visit("places",
         NestedList{dataset.places,
                    [&](DatasetPlace& place, auto&& inner) {
-                     inner("name", required_text(place.name), "Name of the place.",
-                           kAs<std::string>, kRequired);
+                     inner("name", required_text(place.name), "Name of the place.", kRequired);
                      inner("sequences", sequences_field(place.views, base),
                            "Sequences of its views.", kAs<Texts>, kRequired);
                    }},
@@ -126,9 +122,8 @@ void visit_fields(DatasetFile& file, Visitor&& visit) {
                            "Ground truth of places.", kAs<TruthInFile>);
                    }},
         "Query sequences.");
-  visit("plan", path_field(dataset.plan, base), "CSV of walls.", kAs<std::string>);
-  visit("place_poses", path_field(dataset.place_poses, base), "CSV place,x,y with optional floor.",
-        kAs<std::string>);
+  visit("plan", path_field(dataset.plan, base), "CSV of walls.");
+  visit("place_poses", path_field(dataset.place_poses, base), "CSV place,x,y with optional floor.");
 }
 
 // An unset variable of the program that wrote the file.

@@ -31,60 +31,59 @@ inline constexpr std::array<std::string_view, 3> kEnumNames<MatrixRows> = {"auto
 
 /// Options of one side of a ground truth: of the query or of the training sequence.
 struct TruthSide {
-  /// Trajectories: the times of frames: a list, a folder of images with times as names, or a video;
-  /// empty: pose i belongs to frame i.
   std::filesystem::path times = {};
-  std::filesystem::path pose_times = {};  ///< for trajectory files without times
-  std::filesystem::path images = {};      ///< GPS: folder or list with the images named in a CSV
-  std::optional<double> offset_s = {};    ///< added to the times of frames
+  std::filesystem::path pose_times = {};
+  std::filesystem::path images = {};
+  std::optional<double> offset_s = {};
 
   bool operator==(const TruthSide&) const = default;
 };
 
 /// Options that some formats of ground truth need in addition to path and tolerance.
 struct GroundTruthOptions {
-  std::filesystem::path reference = {};  ///< poses and file names: the training side
-  std::filesystem::path soft = {};       ///< matrices: pairs to ignore if the matrix has 0
-  /// Poses and file names: maximum distance of the same place in meters, inclusive. Required for
-  /// poses; nullopt with file names: 25, as in the benchmark.
+  std::filesystem::path reference = {};
+  std::filesystem::path soft = {};
   std::optional<double> radius_m = {};
-  std::optional<double> angle_deg = {};        ///< maximum difference of their headings, inclusive
-  std::optional<double> ignore_radius_m = {};  ///< pairs up to this distance are not judged
-  /// Aligned: query frame i is training frame `train_step` * i, rounded. Nullopt: 1.
+  std::optional<double> angle_deg = {};
+  std::optional<double> ignore_radius_m = {};
   std::optional<double> train_step = {};
   MatrixRows matrix_rows = MatrixRows::automatic;
   TruthSide query = {};
   TruthSide train = {};
-  /// Maximum distance of a frame to its nearest pose in seconds. Nullopt: 0.02, or 1 for GPS.
   std::optional<double> max_difference_s = {};
 };
 
 template <class Visitor>
 void visit_fields(GroundTruthOptions& options, Visitor&& visit) {
   visit("reference", options.reference, "Poses or images of the training sequence.");
-  visit("soft", options.soft, "A matrix of pairs to ignore.");
+  visit("soft", options.soft, "A matrix of pairs to ignore if the ground truth has 0.");
   visit("query_times", options.query.times,
-        "Time stamps of the query frames: a list, a folder of images named by time, or a video.");
+        "Times of the query frames: a list, a folder of images named by time, or a video; absent: "
+        "pose i belongs to frame i.");
   visit("train_times", options.train.times, "The same of training frames.");
-  visit("query_pose_times", options.query.pose_times, "kitti: query pose times.");
-  visit("train_pose_times", options.train.pose_times, "kitti: training pose times.");
-  visit("query_images", options.query.images, "gps: image names of the query.");
+  visit("query_pose_times", options.query.pose_times,
+        "Times of the query poses, for files without times (kitti).");
+  visit("train_pose_times", options.train.pose_times,
+        "Times of the training poses, as for the query.");
+  visit("query_images", options.query.images,
+        "gps: folder or list of the query images that a CSV names.");
   visit("train_images", options.train.images, "gps: the same of training images.");
-  visit("radius_m", options.radius_m, "Frames within this distance show the same place, in m.",
+  visit("radius_m", options.radius_m,
+        "Largest distance of the same place, in m, inclusive; needed for poses, auto for file "
+        "names: 25.",
         at_least(0));
   visit("angle_deg", options.angle_deg,
-        "Frames whose headings differ more show different places, in degrees.", at_least(0));
+        "Largest difference of headings of the same place, in degrees, inclusive.", at_least(0));
   visit("ignore_radius_m", options.ignore_radius_m,
         "Frames beyond radius_m and within this distance are ignored, in m.", at_least(0));
-  visit("train_step", options.train_step, "Training frames per query frame, for aligned.",
-        above(0));
+  visit("train_step", options.train_step,
+        "Aligned: query frame i is training frame train_step * i, rounded; auto: 1.", above(0));
   visit("matrix_rows", options.matrix_rows, "Rows of the matrix.");
   visit("max_difference_s", options.max_difference_s,
         "Largest difference between a frame and its pose, in seconds; auto: 0.02, for gps 1.",
         at_least(0));
-  visit("offset_s", options.query.offset_s, "Added to the times of query frames, in seconds.");
-  visit("train_offset_s", options.train.offset_s,
-        "Added to the times of training frames, in seconds.");
+  visit("offset_s", options.query.offset_s, "Added to the times of query frames, in s.");
+  visit("train_offset_s", options.train.offset_s, "Added to the times of training frames, in s.");
 }
 
 /// A query frame and a training frame of the same place, by the frames of their recordings.
@@ -132,8 +131,6 @@ struct Dataset {
 /// Error(usage) if it is not a data set description or has an unknown key, with the nearest known
 /// one.
 Dataset read_dataset(const std::filesystem::path& path);
-
-/// The schema of a data set file, for docs/schemas.
 Json dataset_schema();
 
 /// The query with this name, or the only one. Throws Error(usage), which lists the queries.

@@ -89,8 +89,7 @@ void visit_fields(SweepQuery& query, Visitor&& visit) {
   visit("near_miss", choice.near_miss,
         "Index in cells: most correct recognitions without an incorrect one, but the next looser "
         "threshold has one.");
-  visit("nearest_error", choice.first_error,
-        "Index in cells: strictest threshold with an incorrect recognition.");
+  visit("nearest_error", choice.first_error, "Index in cells: strictest threshold with an error.");
   visit("pareto", choice.pareto,
         "Indices in cells: settings that no other beats in correct and incorrect recognitions.");
   visit_fields(query.selection, visit);
@@ -108,16 +107,11 @@ struct SweepFile {
   Provenance provenance;
 };
 
-template <class Visitor>
-void visit_fields(SweepFile& file, Visitor&& visit) {
-  visit("schema", Derived{schema_name("sweep")});
-  visit("method", file.method, "fastable or fabmap.");
-  visit("settings", file.settings,
-        "Settings that can change the numbers; keys are the names of flags.");
-  visit("cells", file.cells, "One per setting and query.");
-  visit("queries", file.queries, "Queries of the sweep, and the recommended cell of each.");
-  visit("provenance", file.provenance, kProvenanceText);
-}
+VPR_FILE(SweepFile, "sweep", (method, "fastable or fabmap."),
+         (settings, "Settings that can change the numbers; keys are the names of flags."),
+         (cells, "One per setting and query."),
+         (queries, "Queries of the sweep, and the recommended cell of each."),
+         (provenance, kProvenanceText))
 
 SweepCell named_cell(const std::string& query, const CellCounts& cell, const Sweep& sweep) {
   return {query, std::string(sweep.score->window_symbol), sweep.threshold_symbol, cell};

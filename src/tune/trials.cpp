@@ -145,18 +145,14 @@ struct TrialsFile {
   Provenance provenance;
 };
 
-template <class Visitor>
-void visit_fields(TrialsFile& file, Visitor&& visit) {
-  visit("schema", Derived{schema_name("tuning")});
-  visit("max_incorrect", file.max_incorrect, "Most incorrect frames, and pairs, of the choice.");
-  visit("queries", file.queries, "The labeled queries.");
-  visit("trials", file.trials, "One per setting, the simplest and most general rule first.");
-  visit("chosen", file.chosen,
-        "Index in trials: most correct frames with at most max_incorrect incorrect frames and "
-        "pairs; null: none.");
-  visit("settings", file.settings, "Settings of the choice, for --config; null: none.", kOrNull);
-  visit("provenance", file.provenance, kProvenanceText);
-}
+VPR_FILE(TrialsFile, "tuning", (max_incorrect, "Most incorrect frames, and pairs, of the choice."),
+         (queries, "The labeled queries."),
+         (trials, "One per setting, the simplest and most general rule first."),
+         (chosen,
+          "Index in trials: most correct frames with at most max_incorrect incorrect frames and "
+          "pairs; null: none."),
+         (settings, "Settings of the choice, for --config; null: none.", kOrNull),
+         (provenance, kProvenanceText))
 
 void add_counts(Table& table, const std::string& setting, const FrameCounts& counts,
                 double seconds) {

@@ -32,6 +32,7 @@ namespace {
 template <class... S>
 Json config_of(S... settings) {
   SchemaVisitor visit{SchemaForm::partial};
+  visit("schema", Derived{schema_name("config")});
   (visit_fields(settings, visit), ...);
   ProcessSettings process;
   visit_fields(process, visit);
@@ -50,7 +51,6 @@ Json config_schema() {
                                       config_of(RealtimeBenchSettings()),
                                       config_of(TrainingBenchSettings())};
   Json schema = file_schema(
-      "config",
       "Settings for --config: any keys that a program accepts. A result is a configuration as "
       "well: its settings and its seed.",
       commands);
@@ -61,7 +61,7 @@ Json config_schema() {
 std::vector<std::pair<std::string, Json>> schemas() {
   std::vector<std::pair<std::string, Json>> files = {{"config", config_schema()}};
   const auto add = [&](const char* kind, const char* title, const std::vector<Json>& all) {
-    files.emplace_back(kind, file_schema(kind, title, all));
+    files.emplace_back(kind, file_schema(title, all));
   };
   add("bench", "What vpr-bench measured", {bench_schema()});
   add("bench-comparison", "Two runs of vpr-bench compared", {bench_comparison_schema()});
