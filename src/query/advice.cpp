@@ -125,6 +125,7 @@ std::string selection_advice(const SequenceDatabase& database, const DescriptorS
                              const QueryResources& resources, const Monitor& monitor) {
   constexpr double kBetter = 1.5;
   constexpr size_t kAll = 1;
+  constexpr size_t kLargestOfOneSide = 3;
   struct Selection {
     size_t query_step = kAll;
     size_t train_step = kAll;
@@ -132,24 +133,28 @@ std::string selection_advice(const SequenceDatabase& database, const DescriptorS
   const Monitor silent = {{}, {}, monitor.stop};
   Selection best;
   Result found = before;
-  const auto improves = [&](const Selection& selection) {
-    const auto& [query_step, train_step] = selection;
-    const DescriptorSet fewer =
-        query_step == kAll
-            ? query
-            : selected(query, at_speed(std::to_string(query_step), query.rows().size(), 1));
-    Result result = filtered(train_step == kAll ? database : thinned(database, train_step, silent),
-                             fewer, settings, resources, monitor);
+  const auto improves = [&](const SequenceDatabase& trained, const DescriptorSet& frames,
+                            const Selection& selection) {
+    Result result = filtered(trained, frames, settings, resources, monitor);
     if (recognized_share(result) <= recognized_share(found)) return false;
     best = selection;
     found = std::move(result);
     return true;
   };
-  const auto any_improves = [&](std::initializer_list<Selection> selections) {
-    return std::ranges::count_if(selections, improves) > 0;
+  const auto step_improves = [&](size_t step) {
+    const DescriptorSet fewer =
+        selected(query, at_speed(std::to_string(step), query.rows().size(), 1));
+    const SequenceDatabase thin = thinned(database, step, silent);
+    bool any = improves(thin, fewer, {step, step});
+    if (step > kLargestOfOneSide) return any;
+    any |= improves(database, fewer, {step, kAll});
+    any |= improves(thin, query, {kAll, step});
+    return any;
   };
-  if (any_improves({{3, 3}, {3, kAll}, {kAll, 3}, {10, 10}}))
-    any_improves({{2, 2}, {2, kAll}, {kAll, 2}, {4, 4}, {6, 6}});
+  const bool third = step_improves(3);
+  const bool tenth = step_improves(10);
+  if (third || tenth)
+    for (const size_t step : {2, 4, 6}) step_improves(step);
   if (recognized_share(found) < std::max(1.0 / kFewest, kBetter * recognized_share(before)))
     return "";
   const size_t step = std::max(best.query_step, best.train_step);
