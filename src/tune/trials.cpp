@@ -66,6 +66,7 @@ void run_trial(Trial& trial, const std::vector<Query>& queries, const Monitor& t
   for (const Query& query : queries) {
     QueryRun done = run(query);
     for (const auto& [step, seconds] : done.seconds) trial.seconds += seconds;
+    trial.settings = done.result.settings;  // without features that the database lacks
     const Evaluation found = evaluate_result(std::make_shared<const Result>(std::move(done.result)),
                                              std::nullopt, query.by, truth_monitor);
     require_all_pairs(found.truth, query.by);
@@ -185,10 +186,7 @@ Trial try_setting(const SequenceDatabase& database, const std::vector<LabeledQue
                   const SequenceQuerySettings& settings, const QueryResources& resources,
                   const Monitor& monitor, const Monitor& truth_monitor) {
   const bool is_tuned = std::holds_alternative<Threshold>(settings.rule);
-  SequenceQuerySettings used = settings;
-  if (auto* filter = std::get_if<Filter>(&used.rule); filter != nullptr && !database.features)
-    filter->witness = Witness::none;
-  Trial trial{name_of(settings), std::move(used), is_tuned, {}, 0};
+  Trial trial{name_of(settings), settings, is_tuned, {}, 0};
   const PreparedDatabase prepared = prepare(database, settings, resources, monitor);
   run_trial(trial, queries, truth_monitor, [&](const LabeledQuery& query) {
     return run_query(plan_query(prepared, query.frames, query.name, settings, resources, monitor),
