@@ -1,6 +1,7 @@
 // Comparison of several methods on the same queries, with confidence intervals.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -31,6 +32,12 @@ struct ComparedValue {
   std::optional<Interval> own;       ///< 95 %, of the value
   bool is_best = false;  ///< better than every other paired method: no interval contains 0
 };
+
+/// The low and the high end; unset without an interval.
+inline std::array<std::optional<double>, 2> ends_of(const std::optional<Interval>& interval) {
+  if (!interval) return {};
+  return {interval->low, interval->high};
+}
 
 struct Comparison {
   std::vector<size_t> frames;  ///< query frames of paired methods that are compared
