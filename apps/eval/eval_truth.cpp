@@ -131,7 +131,7 @@ struct CountedPairs {
 };
 VPR_FIELDS(CountedPairs, (count, "How many."), (examples, "At most 5 of them."))
 
-/// What vpr-eval check finds.
+/// The findings of vpr-eval check.
 struct CheckFile {
   std::string format, protocol;
   std::vector<CheckRow> rows;
@@ -167,7 +167,7 @@ void visit_fields(CheckFile& file, Visitor&& visit) {
   visit("provenance", file.provenance, kProvenanceText);
 }
 
-/// What vpr-eval convert --json prints.
+/// The output of vpr-eval convert --json.
 struct Conversion {
   std::string from, to;
   uint64_t query_frames = 0, same = 0, ignored = 0;

@@ -267,7 +267,7 @@ std::vector<std::string> names_of(const FabmapDatabase& database) {
 
 namespace {
 
-/// What vpr-train --json prints.
+/// The output of vpr-train --json.
 struct DatabaseInfo {
   FabmapTrainSettings settings;
   size_t words = 0, pretraining_frames = 0, views = 0, featureless_views = 0;

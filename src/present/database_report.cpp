@@ -69,7 +69,7 @@ void visit_fields(SequenceInfo& info, Visitor&& visit) {
   visit("t_r", info.thresholds, "Automatic thresholds, one for each trained window length.");
 }
 
-/// What vpr-train --json prints.
+/// The output of vpr-train --json.
 struct DatabaseInfo {
   std::string descriptor;
   std::optional<size_t> length;

@@ -64,7 +64,7 @@ struct ResultPath {
   std::optional<size_t> reversed_frames = {};
   std::optional<size_t> keyframes = {};  ///< query keyframes of the filter; nullopt: not counted
 
-  /// What decided each recognized frame: the margin of the path alone, and the contrast of its
+  /// The decision at each recognized frame: the margin of the path alone, and the contrast of its
   /// features, nullopt without evidence. Empty: without a witness.
   struct Decided {
     double margin = 0;
