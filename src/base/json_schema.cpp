@@ -87,7 +87,7 @@ void add_hint(Json& schema, const Matches& pattern) {
 
 void add_hint(Json& schema, OrNull) { schema = or_null(schema); }
 
-void add_property(Json& object, std::string_view key, Json schema, std::string_view text,
+void add_property(Json& object, std::string_view key, const Json& schema, std::string_view text,
                   bool is_required) {
   Json property = Json::object();
   if (!text.empty()) property["description"] = sentence(text);

@@ -46,7 +46,7 @@ void add_hint(Json& schema, const Bounds& bounds);
 void add_hint(Json& schema, const Matches& pattern);
 void add_hint(Json& schema, OrNull);
 void add_hint(Json&, const auto&) {}
-void add_property(Json& object, std::string_view key, Json schema, std::string_view text,
+void add_property(Json& object, std::string_view key, const Json& schema, std::string_view text,
                   bool is_required);
 
 inline bool may_be_missing(MayBeMissing hint) { return hint.holds; }
