@@ -113,7 +113,7 @@ struct SchemaVisitor {
     const bool is_required = (std::is_same_v<Hints, Required> || ...) ||
                              (form != SchemaForm::partial && !detail::kIsOmittable<T> &&
                               !(detail::may_be_missing(hints) || ...));
-    detail::add_property(object, key, std::move(schema), text, is_required);
+    detail::add_property(object, key, schema, text, is_required);
   }
 };
 
