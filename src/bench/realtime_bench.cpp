@@ -9,8 +9,8 @@
 #include "base/statistics.h"
 #include "bench/benches.h"
 #include "query/choices.h"
+#include "query/live_lines.h"
 #include "query/open.h"
-#include "query/train_sequences.h"
 
 namespace vpr {
 namespace {
@@ -41,7 +41,7 @@ BenchResult bench_realtime(const std::string& database_path, const SequenceSourc
                 query.argument.path.string());
   const SequenceQuerySettings chosen = live_settings(settings);
   const SequenceDatabase database = open_live_database(database_path, chosen, monitor);
-  LiveQuery live(database, "query", chosen, resources, monitor);
+  LiveLines live(database, "query", chosen, resources, monitor);
   const size_t frames = std::min<size_t>(query.files.size(), settings.frames);
   const double period_ms = 1000 / settings.rate_hz;
   std::vector<double> latencies_ms;
@@ -53,9 +53,7 @@ BenchResult bench_realtime(const std::string& database_path, const SequenceSourc
     const auto due = start + std::chrono::duration_cast<Clock::duration>(
                                  Milliseconds(static_cast<double>(f) * period_ms));
     std::this_thread::sleep_until(due);
-    const SequenceSource frame{{query.files[f], {}}, query.kind, {query.files[f]}};
-    const DescriptorSet described = describe_frames(frame, database, false, {});
-    live.take({described.rows()[0]});
+    live.take({query.files[f].filename().string(), query.files[f], nullptr}, {});
     latencies_ms.push_back(Milliseconds(Clock::now() - due).count());
     counter.add();
   }
