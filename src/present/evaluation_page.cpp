@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 #include <span>
+#include <variant>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,6 +19,7 @@
 #include "present/matrix_chart.h"
 #include "present/report_tables.h"
 #include "present/result_text.h"
+#include "query/witness.h"
 
 namespace vpr {
 namespace {
@@ -167,9 +169,40 @@ std::string title_of(const Report& report, const GroundTruthScope& scope) {
   return title;
 }
 
+bool has_witness(const Evaluation& evaluation) {
+  if (!evaluation.result) return false;
+  const auto* settings = std::get_if<SequenceQuerySettings>(&evaluation.result->result->settings);
+  const auto* filter = settings == nullptr ? nullptr : std::get_if<Filter>(&settings->rule);
+  return filter != nullptr && filter->witness != Witness::none;
+}
+
+/// By query: x and y of each inlier in the query's image and in that of its best match, as shares
+/// of the longer sides.
+Json inliers_json(const Judgment& judgment, const FrameImages& images) {
+  Json json = Json::object();
+  for (const QueryOutcome& query : judgment.outcomes.queries) {
+    const auto own = images.query.find(query.frame);
+    if (own == images.query.end() || !query.best) continue;
+    const auto& references = images.references[query.best->sequence];
+    const auto match = references.find(query.best->reference);
+    if (match == references.end()) continue;
+    Json& lines = json[std::to_string(query.frame)] = Json::array();
+    for (const PointPair& pair : inliers(own->second.features, match->second.features)) {
+      const auto query_point = pair.query / own->second.working_side;
+      const auto train_point = pair.train / match->second.working_side;
+      Json line;
+      for (const double part :
+           {query_point.real(), query_point.imag(), train_point.real(), train_point.imag()})
+        line.push_back(std::round(part * 1000) / 1000);
+      lines.push_back(std::move(line));
+    }
+  }
+  return json;
+}
+
 /// Values per query, the bands of the charts' axes, and counts by threshold.
 Json page_data(const Report& report, const Judgment& judgment, const GroundTruth& truth,
-               const FrameImages& images) {
+               const FrameImages& images, bool with_inliers) {
   Json data;
   const ScoreUnit unit = score_unit(report);
   data["best"] = outcome_letters(report.frames.outcomes);
@@ -180,6 +213,7 @@ Json page_data(const Report& report, const Judgment& judgment, const GroundTruth
     data["sequences"].push_back(train.sequence.name);
   add_queries(data, judgment, truth);
   data["images"] = images_json(images);
+  if (with_inliers) data["inliers"] = inliers_json(judgment, images);
   add_sources(data, judgment.layout.scope);
   data["columns"] = value_to_json(column_bands(judgment.layout));
   data["rows"] = value_to_json(row_bands(judgment.layout));
@@ -200,8 +234,9 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
                             const Monitor& monitor) {
   const Judgment& judgment = evaluation.judgment;
   const GroundTruth& truth = evaluation.truth;
-  const Gallery gallery = make_gallery(judgment, truth, score_unit(report), sources, monitor,
-                                       {.pictured = kMostPictured});
+  const Gallery gallery =
+      make_gallery(judgment, truth, score_unit(report), sources, monitor,
+                   {.pictured = kMostPictured, .has_features = has_witness(evaluation)});
   const Chart timeline = path_chart(evaluation, report, monitor);
   const bool has_path = evaluation.result && evaluation.result->result->path;
   Chart margins = sized(margin_chart(report, judgment),
@@ -220,26 +255,26 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
   Json& protocol = json["protocol"];
   protocol.erase("ground_truth");                      // the subtitle
   if (truth.is_known) protocol.erase("localization");  // the title of its table
-  return fill_page(kPage,
-                   {{"title", html_escaped(title_of(report, judgment.layout.scope))},
-                    {"summary", html_escaped(summary)},
-                    {"subtitle", html_escaped(settings + "Ground truth: " + truth.protocol)},
-                    {"style", palette_css() + std::string(kStyle)},
-                    {"script", std::string(kScript) + std::string(kAnchorScript)},
-                    {"disagreements", truth.is_known ? std::string(kDisagreements) : ""},
-                    {"tables", tables_html(report)},
-                    {"protocol", list_html(protocol)},
-                    {"provenance", list_html(json["settings"]) + list_html(made)},
-                    {"curves", figures_html(curve_charts(report, judgment))},
-                    {"threshold", by_margin(judgment) ? "Margin" : "Threshold"},
-                    {"path", figure_html(timeline) + figures_html(below)},
-                    {"matrix_link", matrix.empty() ? "" : "<a href=\"#matrix\">Matrix</a> "},
-                    {"matrix", matrix},
-                    {"gallery_note", html_escaped(gallery.note)},
-                    {"kinds", gallery.kinds},
-                    {"cards", gallery.cards},
-                    {"single", judgment.layout.window_length == 1 ? " single" : ""},
-                    {"data", script_json(page_data(report, judgment, truth, gallery.pictured))}});
+  return fill_page(kPage, {{"title", html_escaped(title_of(report, judgment.layout.scope))},
+                           {"summary", html_escaped(summary)},
+                           {"subtitle", html_escaped(settings + "Ground truth: " + truth.protocol)},
+                           {"style", palette_css() + std::string(kStyle)},
+                           {"script", std::string(kScript) + std::string(kAnchorScript)},
+                           {"disagreements", truth.is_known ? std::string(kDisagreements) : ""},
+                           {"tables", tables_html(report)},
+                           {"protocol", list_html(protocol)},
+                           {"provenance", list_html(json["settings"]) + list_html(made)},
+                           {"curves", figures_html(curve_charts(report, judgment))},
+                           {"threshold", by_margin(judgment) ? "Margin" : "Threshold"},
+                           {"path", figure_html(timeline) + figures_html(below)},
+                           {"matrix_link", matrix.empty() ? "" : "<a href=\"#matrix\">Matrix</a> "},
+                           {"matrix", matrix},
+                           {"gallery_note", html_escaped(gallery.note)},
+                           {"kinds", gallery.kinds},
+                           {"cards", gallery.cards},
+                           {"single", judgment.layout.window_length == 1 ? " single" : ""},
+                           {"data", script_json(page_data(report, judgment, truth, gallery.pictured,
+                                                          has_witness(evaluation)))}});
 }
 
 std::string evaluation_preview(const Evaluation& evaluation, const Report& report,

@@ -45,6 +45,14 @@ std::vector<std::byte> small_jpeg(const cv::Mat& image, int side) {
   return {bytes.begin(), bytes.end()};
 }
 
+void add_features(Thumbnail& thumbnail, const cv::Mat& image) {
+  cv::Mat gray;
+  cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+  const cv::Mat working = working_image(gray);
+  thumbnail.features = find_local_features(working);
+  thumbnail.working_side = std::max(working.cols, working.rows);
+}
+
 constexpr int kThumbnailSide = 160;  // pixels, of strips
 constexpr int kSingleSide = 280;     // of single images
 
@@ -239,7 +247,8 @@ std::vector<size_t> strip_frames(size_t anchor, size_t window_length, size_t mos
 
 std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& recording,
                                             const Selection& selection,
-                                            const std::set<size_t>& wanted, int side,
+                                            const std::set<size_t>& wanted,
+                                            const ThumbnailSettings& settings,
                                             const Monitor& monitor) {
   std::map<size_t, std::vector<size_t>> frames;  // by frame of the recording
   for (const size_t frame : wanted) frames[selection.source_of(frame)].push_back(frame);
@@ -247,8 +256,9 @@ std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& recording,
   if (frames.empty()) return found;
   std::mutex mutex;
   const auto keep = [&](size_t source, const std::string& name, const cv::Mat& image) {
-    const Thumbnail thumbnail{name,
-                              image.empty() ? std::vector<std::byte>{} : small_jpeg(image, side)};
+    Thumbnail thumbnail{name, {}};
+    if (!image.empty()) thumbnail.jpeg = small_jpeg(image, settings.side);
+    if (!image.empty() && settings.has_features) add_features(thumbnail, image);
     const std::scoped_lock lock(mutex);
     for (const size_t frame : frames.at(source)) found[frame] = thumbnail;
   };
@@ -275,17 +285,18 @@ std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& recording,
 }
 
 FrameImages read_images(const ShownFrames& frames, const GroundTruthScope& scope,
-                        const FrameSources& sources, int side, const Monitor& monitor) {
+                        const FrameSources& sources, const ThumbnailSettings& settings,
+                        const Monitor& monitor) {
   FrameImages images;
   images.references.resize(frames.references.size());
   if (sources.query)
     images.query =
-        make_thumbnails(*sources.query, scope.query.selection, frames.query, side, monitor);
+        make_thumbnails(*sources.query, scope.query.selection, frames.query, settings, monitor);
   for (size_t s = 0; s < sources.references.size(); ++s)
     if (sources.references[s])
       images.references[s] =
           make_thumbnails(*sources.references[s], scope.sequences[s].sequence.selection,
-                          frames.references[s], side, monitor);
+                          frames.references[s], settings, monitor);
   return images;
 }
 
@@ -330,9 +341,9 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
   if (items.size() > size.cards) items.resize(size.cards);
   const ScoreLayout& layout = judgment.layout;
   const ShownFrames pictured = pictured_frames(judgment, size.pictured);
-  const FrameImages images =
-      read_images(frames_of(items, judgment, size.strip_frames, pictured), layout.scope, sources,
-                  layout.window_length == 1 ? kSingleSide : kThumbnailSide, monitor);
+  const FrameImages images = read_images(
+      frames_of(items, judgment, size.strip_frames, pictured), layout.scope, sources,
+      {layout.window_length == 1 ? kSingleSide : kThumbnailSide, size.has_features}, monitor);
   const auto frames_at = [&](size_t anchor) {
     return strip_frames(anchor, layout.window_length, size.strip_frames);
   };

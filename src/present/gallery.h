@@ -12,6 +12,7 @@
 
 #include "base/json_fwd.h"
 #include "base/monitor.h"
+#include "database/keyframe_features.h"
 #include "evaluate/judgment.h"
 #include "present/matrix_chart.h"
 #include "query/result_file.h"
@@ -45,14 +46,21 @@ std::vector<size_t> strip_frames(size_t anchor, size_t window_length, size_t mos
 struct Thumbnail {
   std::string name;             ///< file name, or "#12" for frame 12 of a video
   std::vector<std::byte> jpeg;  ///< empty if the frame is unreadable
+  std::vector<LocalFeature> features = {};
+  double working_side = 0;  ///< longer side of the working image, which has the features
 };
 
-/// Color images of at most `side` x `side` pixels for the `wanted` frames of a selection; frames
-/// that do not exist have none. Reads only these files of a folder or list, but all frames of a
-/// video. Throws as for_each_frame does.
+struct ThumbnailSettings {
+  int side = 160;             ///< of the longer side, in pixels
+  bool has_features = false;  ///< finds local features, as the second witness does
+};
+
+/// Color images for the `wanted` frames of a selection; frames that do not exist have none. Reads
+/// only these files of a folder or list, but all frames of a video. Throws as for_each_frame does.
 std::map<size_t, Thumbnail> make_thumbnails(const SequenceSource& recording,
                                             const Selection& selection,
-                                            const std::set<size_t>& wanted, int side,
+                                            const std::set<size_t>& wanted,
+                                            const ThumbnailSettings& settings,
                                             const Monitor& monitor);
 
 /// The images of an evaluation. References are the training sequences of the ground truth's scope,
@@ -76,7 +84,8 @@ struct ShownFrames {
 
 /// Missing sequences have no images. Throws as make_thumbnails does.
 FrameImages read_images(const ShownFrames& frames, const GroundTruthScope& scope,
-                        const FrameSources& sources, int side, const Monitor& monitor);
+                        const FrameSources& sources, const ThumbnailSettings& settings,
+                        const Monitor& monitor);
 
 /// The sequences of a result, as far as their frames are still the same; none if it is null, and no
 /// training sequences of FAB-MAP, whose references are places.
@@ -100,6 +109,7 @@ struct GallerySize {
   size_t strip_frames = 5;     ///< images per match
   bool has_true_place = true;  ///< also shows a correct match of a mistake
   size_t pictured = 0;         ///< most queries in Gallery::pictured
+  bool has_features = false;   ///< of the images in Gallery::pictured
 };
 
 /// `unit`: of the scores. Throws as make_thumbnails does.

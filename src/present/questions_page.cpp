@@ -68,7 +68,7 @@ Json images_of(const std::vector<Question>& questions, const GroundTruthScope& s
       shown.references[one.sequence].insert(train_frame);
     }
   const int side = questions.size() > kManyQuestions ? kSmallSide : kImageSide;
-  return images_json(read_images(shown, scope, sources, side, monitor));
+  return images_json(read_images(shown, scope, sources, {side}, monitor));
 }
 
 /// `data`: the words of the page.

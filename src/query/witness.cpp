@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <limits>
 #include <tuple>
 
@@ -41,11 +40,6 @@ constexpr double kChange = 0.4;  // between frames with features, in typical dis
 
 using Point = std::complex<double>;  // pixels
 
-struct PointPair {
-  Point query;
-  Point train;
-};
-
 Point point_of(const LocalFeature& feature) { return {feature.x, feature.y}; }
 
 // A reduction that compilers vectorize, unlike std::min_element.
@@ -83,34 +77,52 @@ std::vector<PointPair> distinct_pairs(std::span<const LocalFeature> query,
   return pairs;
 }
 
-// Pairs that fit the similarity transform of two of them; 0 for an implausible transform.
-size_t count_fitting(const std::vector<PointPair>& pairs, const PointPair& a, const PointPair& b) {
+// The similarity transform of two pairs.
+struct Transform {
+  PointPair origin;
+  Point factor;  // rotation and scale
+
+  bool fits(const PointPair& pair) const {
+    const Point error = factor * (pair.query - origin.query) - (pair.train - origin.train);
+    return std::norm(error) < kTolerance * kTolerance;
+  }
+};
+
+// Nullopt if it is implausible.
+std::optional<Transform> transform_of(const PointPair& a, const PointPair& b) {
   const Point from = b.query - a.query;
   const Point to = b.train - a.train;
-  if (std::min(std::norm(from), std::norm(to)) < kLeastBase * kLeastBase) return 0;
-  const Point transform = to / from;  // rotation and scale
-  if (std::norm(transform) < 0.25 || std::norm(transform) > 4) return 0;
-  if (!(std::abs(transform.imag()) <= kMostTurn * transform.real())) return 0;
-  size_t fitting = 0;
-  for (const PointPair& pair : pairs) {
-    const Point error = transform * (pair.query - a.query) - (pair.train - a.train);
-    fitting += std::norm(error) < kTolerance * kTolerance ? 1 : 0;
-  }
-  return fitting;
+  if (std::min(std::norm(from), std::norm(to)) < kLeastBase * kLeastBase) return std::nullopt;
+  const Point factor = to / from;
+  if (std::norm(factor) < 0.25 || std::norm(factor) > 4) return std::nullopt;
+  if (!(std::abs(factor.imag()) <= kMostTurn * factor.real())) return std::nullopt;
+  return Transform{a, factor};
 }
 
 }  // namespace
 
-size_t count_inliers(std::span<const LocalFeature> query, std::span<const LocalFeature> train) {
-  if (query.size() < 2 || train.size() < 2) return 0;
-  const std::vector<PointPair> pairs = distinct_pairs(query, train);
+std::vector<PointPair> inliers(std::span<const LocalFeature> query,
+                               std::span<const LocalFeature> train) {
+  if (query.size() < 2 || train.size() < 2) return {};
+  std::vector<PointPair> pairs = distinct_pairs(query, train);
   const size_t count = pairs.size();
-  size_t most = std::min<size_t>(count, 1);
+  std::optional<Transform> best;
+  ptrdiff_t most = 1;
   size_t hypotheses = 0;
   for (size_t step = 1; step < count && hypotheses < kHypotheses; ++step)
     for (size_t i = 0; i + step < count && hypotheses < kHypotheses; ++i, ++hypotheses)
-      most = std::max(most, count_fitting(pairs, pairs[i], pairs[i + step]));
-  return most;
+      if (const auto transform = transform_of(pairs[i], pairs[i + step])) {
+        const auto fits = [&](const PointPair& pair) { return transform->fits(pair); };
+        const ptrdiff_t fitting = std::ranges::count_if(pairs, fits);
+        if (fitting <= most) continue;
+        most = fitting;
+        best = transform;
+      }
+  if (best)
+    std::erase_if(pairs, [&](const PointPair& pair) { return !best->fits(pair); });
+  else
+    pairs.resize(std::min<size_t>(count, 1));
+  return pairs;
 }
 
 TrainWitness::TrainWitness(const PreparedDatabase& prepared)
@@ -176,9 +188,9 @@ std::optional<double> TrainWitness::contrast_to(std::span<const LocalFeature> qu
   if (others.empty()) return std::nullopt;
   size_t match = 0;
   for (size_t k = first; k < last; ++k)
-    match = std::max(match, count_inliers(query, features_->of(k)));
+    match = std::max(match, inliers(query, features_->of(k)).size());
   size_t other = 0;
-  for (const size_t k : others) other = std::max(other, count_inliers(query, features_->of(k)));
+  for (const size_t k : others) other = std::max(other, inliers(query, features_->of(k)).size());
   return std::log((static_cast<double>(match) + kChance) / (static_cast<double>(other) + kChance));
 }
 

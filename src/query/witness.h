@@ -2,6 +2,7 @@
 // (docs/reference/methods.md).
 #pragma once
 
+#include <complex>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -24,11 +25,18 @@ FeatureChoice choose_changes(ElementType element,
 /// features.
 FeatureChoice tested_frames(const SequenceDatabase& database, const Rule& rule);
 
-/// The largest number of features of `query` that one similarity transform maps to features of
-/// `train` within 8 pixels, with a scale of 1/2 to 2 and a rotation of at most 20 degrees. A pair
-/// of features is considered if its distance is below 0.8 of the distance to the second best
-/// feature of `train`; each feature of `train` counts once.
-size_t count_inliers(std::span<const LocalFeature> query, std::span<const LocalFeature> train);
+/// The positions of a feature of two images, in pixels of their working images.
+struct PointPair {
+  std::complex<double> query;
+  std::complex<double> train;
+};
+
+/// The most pairs of features for which one similarity transform maps `query` to `train` within 8
+/// pixels, with a scale of 1/2 to 2 and a rotation of at most 20 degrees. A pair of features is
+/// considered if its distance is below 0.8 of the distance to the second best feature of `train`;
+/// each feature of `train` occurs once.
+std::vector<PointPair> inliers(std::span<const LocalFeature> query,
+                               std::span<const LocalFeature> train);
 
 /// Finds the features of one frame.
 using FeaturesOfFrame = std::function<std::vector<LocalFeature>()>;

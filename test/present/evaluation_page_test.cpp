@@ -106,7 +106,7 @@ TEST_CASE("thumbnails are small, and unreadable frames are gaps") {
   test::write_image(folder / "1.png", 1, 400, 300);
   test::write_text(folder / "2.png", "no image");
   const SequenceSource sequence = open_sequence({folder.path(), {}});
-  const auto found = make_thumbnails(sequence, {}, {0, 1, 9}, 100, {});
+  const auto found = make_thumbnails(sequence, {}, {0, 1, 9}, {100}, {});
   REQUIRE(found.size() == 2);
   CHECK(found.at(0).name == "1.png");
   const auto& bytes = found.at(0).jpeg;

@@ -63,25 +63,26 @@ void write_wall(const std::string& folder, size_t frames, int shift) {
 
 TEST_CASE("inliers are features that one similarity transform maps to their matches") {
   const std::vector<LocalFeature> features = random_features(60, 1);
-  CHECK(count_inliers(features, features) == 60);
-  CHECK(count_inliers(features, moved(features, 10, 1.5)) == 60);
-  CHECK(count_inliers(features, moved(features, 0, 0.6)) == 60);
-  CHECK(count_inliers(features, moved(features, 40, 1)) <= 5);
-  CHECK(count_inliers(features, moved(features, 0, 2.5)) <= 5);
-  CHECK(count_inliers(features, random_features(60, 2)) <= 2);
+  CHECK(inliers(features, features).size() == 60);
+  for (const PointPair& pair : inliers(features, features)) CHECK(pair.query == pair.train);
+  CHECK(inliers(features, moved(features, 10, 1.5)).size() == 60);
+  CHECK(inliers(features, moved(features, 0, 0.6)).size() == 60);
+  CHECK(inliers(features, moved(features, 40, 1)).size() <= 5);
+  CHECK(inliers(features, moved(features, 0, 2.5)).size() <= 5);
+  CHECK(inliers(features, random_features(60, 2)).size() <= 2);
 
   std::vector<LocalFeature> mixed = moved(features, 5, 1);
   for (size_t i = 0; i < 30; ++i) mixed[i].x = static_cast<float>(13 * i % 400);
-  const size_t half = count_inliers(features, mixed);
+  const size_t half = inliers(features, mixed).size();
   CHECK(half >= 30);
   CHECK(half <= 36);
 }
 
 TEST_CASE("few features have no inliers") {
   const std::vector<LocalFeature> features = random_features(3, 1);
-  CHECK(count_inliers({}, features) == 0);
-  CHECK(count_inliers(features, {}) == 0);
-  CHECK(count_inliers(std::span(features).first(1), features) == 0);
+  CHECK(inliers({}, features).empty());
+  CHECK(inliers(features, {}).empty());
+  CHECK(inliers(std::span(features).first(1), features).empty());
   CHECK(find_local_features(cv::Mat(31, 64, CV_8U, cv::Scalar(0))).empty());
   CHECK(find_local_features(cv::Mat(200, 200, CV_8U, cv::Scalar(99))).empty());
 }

@@ -47,6 +47,22 @@
     if (found?.[0]) set(image ?? figure.appendChild(document.createElement("img")), { src: found[0], alt: words });
     else image?.remove();
   };
+  // Lines between the local features of both images that agree.
+  const overlay = byId("pair").querySelector("svg");
+  let agreeing = [];
+  const drawLines = () => {
+    const drawn = byId("lines").querySelector("input").checked ? agreeing : [];
+    const [query, best] = [...byId("pair").querySelectorAll("img")].map(({ offsetLeft, offsetTop, offsetWidth, offsetHeight }) =>
+      (x, y) => [offsetLeft, offsetTop].map((start, k) => start + [x, y][k] * Math.max(offsetWidth, offsetHeight)));
+    overlay.replaceChildren(...drawn.map(([a, b, c, d]) => {
+      const line = document.createElementNS(overlay.namespaceURI, "line");
+      const [[x1, y1], [x2, y2]] = [query(a, b), best(c, d)];
+      set(line, { x1, y1, x2, y2 });
+      return line;
+    }));
+  };
+  byId("lines").addEventListener("change", drawLines);
+  new ResizeObserver(drawLines).observe(byId("pair"));
   const show = (i) => {
     const near = pictured.reduce((best, one) => (Math.abs(one - i) < Math.abs(best - i) ? one : best));
     const match = data.matches[near];
@@ -55,6 +71,10 @@
     picture(best, match ? `best match ${data.sequences[match[0]]} ${match[1]}` : "no best match",
       match && images[`${match[0]} ${match[1]}`]);
     byId("pair").hidden = false;
+    agreeing = data.inliers?.[near] ?? [];
+    byId("lines").hidden = !data.inliers;
+    byId("lines").querySelector("span").textContent = `${agreeing.length} local features of both images agree`;
+    drawLines();
   };
   const say = () => {
     byId("said").textContent = describe(Number(slider.value));
