@@ -73,7 +73,7 @@ void add_images(Program& program) {
               "factor of the automatic thresholds (default: 1)");
   add_setting(
       command, "--features", settings.features,
-      "kind of the features of keyframes, for vpr-query --witness: orb or none (default: none)",
+      "kind of the features of keyframes, for vpr-query --witness: orb or none (default: orb)",
       "Local features");
   command.add_flag("--illumination-invariant", settings.descriptor.illumination_invariant,
                    "decode in color and remove the color of the light");

@@ -66,15 +66,15 @@ std::string speed_text(double rate, const Sequence& query, const Sequence& train
                      rate);
 }
 
-// "margin 9.1, contrast 1.7: features decide" for the first recognized frame of a path; empty
-// without a witness.
+// "margin 9.1, contrast 1.7: features decide" for the first recognized frame of a path, or "margin
+// 31.0: whole frames decide" if features were not compared; empty without a witness.
 std::string witness_text(const Result& result, size_t query_frame) {
   if (!result.path || result.path->witnessed.empty()) return "";
   const auto& decided = result.path->witnessed[query_frame];
   if (!decided) return "";
   const double least = limit_of(std::get<SequenceQuerySettings>(result.settings).rule).value_or(0);
-  return fmt::format("margin {:.1f}, contrast {}: {} decide", decided->margin,
-                     decided->contrast ? fmt::format("{:.1f}", *decided->contrast) : "unknown",
+  return fmt::format("margin {:.1f}{}: {} decide", decided->margin,
+                     decided->contrast ? fmt::format(", contrast {:.1f}", *decided->contrast) : "",
                      decided->margin < least ? "features" : "whole frames");
 }
 

@@ -72,8 +72,8 @@ constexpr std::array kSequenceRows = {
     SettingRow{.key = "witness",
                .group = kWindowGroup,
                .commands = in(QueryCommand::query, QueryCommand::live),
-               .help = "evidence that the filter adds to margins: orb, the local features of a "
-                       "database trained with --features orb, or none (default: {})",
+               .help = "evidence that the filter adds to margins: orb, local features if the "
+                       "database has them, or none (default: {})",
                .instead = "Omit it, or use --method filter."},
     SettingRow{.key = "same_place",
                .group = kWindowGroup,

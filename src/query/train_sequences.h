@@ -19,7 +19,7 @@ struct SequenceTrainSettings {
   uint64_t window_length = 40;  ///< c_l of the automatic thresholds
   double safety_factor = 1;     ///< multiplies the automatic thresholds
   bool skip_unreadable = false;
-  Witness features = Witness::none;  ///< of keyframes, for queries with a witness
+  Witness features = Witness::orb;  ///< of keyframes, for queries with a witness
   StatisticsSettings statistics;     ///< the initial statistics of z-scores
 };
 

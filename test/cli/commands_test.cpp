@@ -170,9 +170,9 @@ TEST_CASE(
     CHECK(has(text, "\nSettings: filter, margin 14 deviations\n"));
     check_screen(text);
   };
-  is_answer(query("one"), ", 1.0x\n");
+  is_answer(query("one"), ", 1.0x");
   is_answer(query("one"), "next: vpr-eval ");
-  is_answer(query("one", "--speed 2"), ", 2.0x\n");
+  is_answer(query("one", "--speed 2"), ", 2.0x");
   is_answer(query("again", "--speed reversed"), "The query walked in the opposite direction: ");
   is_answer(query("other@0:12"), " (frames that differ clearly), and the filter needs");
 }
