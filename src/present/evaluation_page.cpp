@@ -176,7 +176,7 @@ bool has_witness(const Evaluation& evaluation) {
   return filter != nullptr && filter->witness != Witness::none;
 }
 
-/// By query: x and y of each inlier in the query's image and in that of its best match, as shares
+/// By query: x and y of each inlier in the image of the query and of its best match, as shares
 /// of the longer sides.
 Json inliers_json(const Judgment& judgment, const FrameImages& images) {
   Json json = Json::object();

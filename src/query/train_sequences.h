@@ -20,7 +20,7 @@ struct SequenceTrainSettings {
   double safety_factor = 1;     ///< multiplies the automatic thresholds
   bool skip_unreadable = false;
   Witness features = Witness::orb;  ///< of keyframes, for queries with a witness
-  StatisticsSettings statistics;     ///< the initial statistics of z-scores
+  StatisticsSettings statistics;    ///< the initial statistics of z-scores
 };
 
 template <class Visitor>
