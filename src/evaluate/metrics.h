@@ -189,9 +189,9 @@ struct Metric {
   bool is_low_good = false;
   bool is_share = false;                    ///< of the frames with a match, for K = 1
   bool is_percent = false;                  ///< in tables
+  bool needs_all_ranks = false;             ///< of correct references, not only the first
   int digits = 4;                           ///< in tables; 0: an integer
   JudgedBy needs = JudgedBy::ground_truth;  ///< the least known source of verdicts
-  bool needs_all_ranks = false;             ///< of correct references, not only the first
   TableDetail detail = TableDetail::data;   ///< the first table that has it; of counts by verdict,
                                             ///< only the incorrect ones are in the first two
   MetricValue (*of_curve)(const Curve& curve) = nullptr;

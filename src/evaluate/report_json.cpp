@@ -249,7 +249,7 @@ void visit_fields(ScoreSettings& settings, Visitor&& visit) {
 }
 
 template <class Visitor>
-void visit_fields(Report& report, Visitor&& visit) {
+void visit_subject(Report& report, Visitor&& visit) {
   visit("schema", Derived{schema_name("report")});
   visit("method", report.method, "Judged method, or name of the score matrix.");
   visit("query", report.query, "Name of the query.");
@@ -270,6 +270,11 @@ void visit_fields(Report& report, Visitor&& visit) {
                     }},
         "Settings that can change the numbers; keys are the names of flags.",
         kAs<InForce<SequenceKeys>, InForce<FabmapQuerySettings>, ScoreSettings>);
+}
+
+template <class Visitor>
+void visit_fields(Report& report, Visitor&& visit) {
+  visit_subject(report, visit);
   if (report.query_settings() != nullptr)
     visit("counts", NestedObject{[&](auto&& inner) {
             visit_metrics(report.counts, &Metric::of_counts, report.frames.by, inner);
