@@ -195,6 +195,21 @@ std::string kinds_html(const std::vector<GalleryItem>& items, const Judgment& ju
   return html;
 }
 
+std::string gallery_note(const std::vector<GalleryItem>& items, const Judgment& judgment,
+                         bool has_images) {
+  if (items.empty())
+    return judgment.by == JudgedBy::nothing ? "No query has a best match."
+                                            : "No query has a best match that can be judged.";
+  if (!has_images)
+    return "The images of the run have moved or changed. Pass them with --query and --train, or "
+           "--dataset.";
+  return fmt::format(
+      "One match per stretch of the path is shown before others, in the order of their {}. Those "
+      "of one kind, except mistakes, are at least {} frames apart.",
+      judgment.outcomes.confidence == Confidence::margin ? "margin" : "score",
+      std::max(kLeastApart, judgment.layout.window_length));
+}
+
 }  // namespace
 
 std::vector<GalleryItem> choose_gallery(const Judgment& judgment, const GroundTruth& truth,
@@ -350,6 +365,7 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
   const bool is_judged = judgment.by != JudgedBy::nothing;
   Gallery gallery;
   gallery.kinds = kinds_html(items, judgment);
+  gallery.note = gallery_note(items, judgment, sources.query.has_value());
   gallery.pictured = selected_images(images, pictured);
   for (const GalleryItem& item : items) {
     const QueryOutcome& outcome = judgment.outcomes.queries[item.query];
@@ -383,19 +399,6 @@ Gallery make_gallery(const Judgment& judgment, const GroundTruth& truth, const S
     if (shows_truth) add_strip("truth", *item.truth);
     gallery.cards += "</article>\n";
   }
-  if (items.empty())
-    gallery.note =
-        is_judged ? "No query has a best match that can be judged." : "No query has a best match.";
-  else if (!sources.query)
-    gallery.note =
-        "The images of the run have moved or changed. Pass them with --query and --train, or "
-        "--dataset.";
-  else
-    gallery.note = fmt::format(
-        "One match per stretch of the path is shown before others, in the order of their {}. Those "
-        "of one kind, except mistakes, are at least {} frames apart.",
-        judgment.outcomes.confidence == Confidence::margin ? "margin" : "score",
-        std::max(kLeastApart, layout.window_length));
   return gallery;
 }
 

@@ -1,7 +1,6 @@
 // Pages that ask a person whether images show the same place.
 #include <algorithm>
 #include <array>
-#include <ranges>
 #include <set>
 
 #include <fmt/format.h>
@@ -167,9 +166,10 @@ std::vector<std::string> known_rows(const Evaluation& evaluation, const AskedFra
 
 /// The tolerance of the latest label, or the usual one.
 size_t tolerance_of(const GroundTruth& truth) {
-  for (const PersonLabel& label : truth.person_labels | std::views::reverse)
-    if (label.is_same) return label.tolerance;
-  return kTolerance;
+  const auto& labels = truth.person_labels;
+  const auto last = std::find_if(labels.rbegin(), labels.rend(),
+                                 [](const PersonLabel& label) { return label.is_same; });
+  return last == labels.rend() ? kTolerance : last->tolerance;
 }
 
 }  // namespace

@@ -292,11 +292,10 @@ Table joined_tables(const std::vector<std::pair<std::string, Table>>& tables) {
         if (table.best.contains({own, c})) joined.best.insert({r, first + c - 1});
     }
     for (const std::string_view part : split(table.title, ';'))  // each once
-      if (joined.title.find(part) == std::string::npos)
-        joined.title += (joined.title.empty()    ? ""
-                         : part.starts_with(' ') ? ";"
-                                                 : "; ") +
-                        std::string(part);
+      if (joined.title.find(part) == std::string::npos) {
+        if (!joined.title.empty()) joined.title += part.starts_with(' ') ? ";" : "; ";
+        joined.title += part;
+      }
     for (const std::string& note : table.notes) joined.notes.push_back(name + ": " + note);
   }
   return joined;

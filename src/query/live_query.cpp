@@ -97,7 +97,7 @@ LiveScores start_live(const FrameDistances& raw, const ScoreStages& stages) {
   return live;
 }
 
-void add_frame(LiveScores& live, ArrivedFrame frame) {
+void add_frame(LiveScores& live, const ArrivedFrame& frame) {
   std::vector<size_t> kept;
   for (const StartedStage& stage : live.stages) {
     if (!stage.needed) continue;

@@ -33,7 +33,7 @@ struct LiveScores {
 LiveScores start_live(const FrameDistances& raw, const ScoreStages& stages);
 
 /// Adds the next frame, which is copied. Rows of `scores` are valid until the next call.
-void add_frame(LiveScores& live, ArrivedFrame frame);
+void add_frame(LiveScores& live, const ArrivedFrame& frame);
 
 /// The decisions at a frame, as those of run_query. Query windows are those of the whole query.
 struct LiveAnswer {

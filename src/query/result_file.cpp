@@ -148,6 +148,34 @@ void visit_context(ResultContext& context, Visitor&& visit) {
 }
 
 template <class Visitor>
+void visit_totals(Result& result, Visitor&& visit) {
+  visit("recognitions", Derived{result.recognitions.size()}, "Accepted window pairs.");
+  const auto of_path = [&](const char* name, std::optional<size_t> ResultPath::*count,
+                           std::string_view text) {
+    const auto write = [&](Json& json, const std::string& key) {
+      if (result.path && (*result.path).*count) json[key] = *((*result.path).*count);
+    };
+    visit(name,
+          CustomField{write,
+                      [&](const Fields& fields, const std::string& key) {
+                        std::optional<size_t> frames;
+                        fields.read_if_set(key, frames);
+                        if (!frames) return;
+                        if (!result.path) result.path.emplace();
+                        (*result.path).*count = frames;
+                      }},
+          text, kAs<size_t>, kMayBeMissing);
+  };
+  of_path("filter_keyframes", &ResultPath::keyframes,
+          "Query frames that the filter compared with the places: its keyframes.");
+  of_path("reversed_frames", &ResultPath::reversed_frames,
+          "Query frames that the filter would recognize if the training sequences were in "
+          "reverse order.");
+  if (result.clusters)
+    visit("clusters", Derived{result.clusters->all.size()}, "Recognized places.");
+}
+
+template <class Visitor>
 void visit_fields(ResultContent& content, Visitor&& visit) {
   Result& result = content.result;
   ResultContext& context = content.context;
@@ -179,33 +207,7 @@ void visit_fields(ResultContent& content, Visitor&& visit) {
             inner("views", result.places->views, "Views of all places.");
           }},
           "Names of places by index, and the number of views; FAB-MAP only.");
-  visit("totals", NestedObject{[&](auto&& inner) {
-          inner("recognitions", Derived{result.recognitions.size()}, "Accepted window pairs.");
-          const auto of_path = [&](const char* name, std::optional<size_t> ResultPath::*count,
-                                   std::string_view text) {
-            const auto write = [&](Json& json, const std::string& key) {
-              if (result.path && (*result.path).*count) json[key] = *((*result.path).*count);
-            };
-            inner(name,
-                  CustomField{write,
-                              [&](const Fields& fields, const std::string& key) {
-                                std::optional<size_t> frames;
-                                fields.read_if_set(key, frames);
-                                if (!frames) return;
-                                if (!result.path) result.path.emplace();
-                                (*result.path).*count = frames;
-                              }},
-                  text, kAs<size_t>, kMayBeMissing);
-          };
-          of_path("filter_keyframes", &ResultPath::keyframes,
-                  "Query frames that the filter compared with the places: its keyframes.");
-          of_path("reversed_frames", &ResultPath::reversed_frames,
-                  "Query frames that the filter would recognize if the training sequences were in "
-                  "reverse order.");
-          if (result.clusters)
-            inner("clusters", Derived{result.clusters->all.size()}, "Recognized places.");
-        }},
-        "Totals.");
+  visit("totals", NestedObject{[&](auto&& inner) { visit_totals(result, inner); }}, "Totals.");
   visit("recall", IfSet{result.recall}, "Recall of an approximate method.");
   if (result.clusters)  // not for a reader, which finds them again
     visit("clusters", Derived{stored_clusters(*result.clusters, result.window_length())},
