@@ -204,12 +204,14 @@ size_t TrainWitness::keyframe_of(const Cell& match) const {
 
 std::optional<double> TrainWitness::contrast(std::span<const LocalFeature> features,
                                              const Cell& match) const {
-  const auto sequence = std::ranges::equal_range(sequences_, size_t{match.sequence});
-  if (sequence.empty()) return std::nullopt;
+  const auto [first, last] =
+      std::equal_range(sequences_.begin(), sequences_.end(), size_t{match.sequence});
+  if (first == last) return std::nullopt;
   const size_t keyframe = keyframe_of(match);
-  const auto begin = static_cast<size_t>(sequence.begin() - sequences_.begin());
-  return contrast_to(features, std::max(keyframe, begin + 1) - 1,
-                     std::min(keyframe + 2, begin + sequence.size()), keyframe, match.query_window);
+  const auto begin = static_cast<size_t>(first - sequences_.begin());
+  const auto end = static_cast<size_t>(last - sequences_.begin());
+  return contrast_to(features, std::max(keyframe, begin + 1) - 1, std::min(keyframe + 2, end),
+                     keyframe, match.query_window);
 }
 
 double TrainWitness::expected_contrast(DescriptorRow query, const Cell& match) const {
