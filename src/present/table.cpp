@@ -296,7 +296,7 @@ Table joined_tables(const std::vector<std::pair<std::string, Table>>& tables) {
         if (!joined.title.empty()) joined.title += part.starts_with(' ') ? ";" : "; ";
         joined.title += part;
       }
-    for (const std::string& note : table.notes) joined.notes.push_back(name + ": " + note);
+    for (const std::string& note : table.notes) joined.notes.push_back(fmt::format("{}: {}", name, note));
   }
   return joined;
 }
