@@ -93,7 +93,7 @@ void add_property(Json& object, std::string_view key, const Json& schema, std::s
   if (!text.empty()) property["description"] = sentence(text);
   property.update(schema);
   object["properties"][std::string(key)] = std::move(property);
-  if (is_required && std::ranges::count(object["required"], key) == 0)
+  if (is_required && std::ranges::count(object["required"], Json(key)) == 0)
     object["required"].push_back(key);
 }
 
