@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "match/frame_distances.h"
+#include "match/huge_pages.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "match/hamming_distances.cpp"
@@ -259,7 +260,7 @@ struct Training {
   std::vector<DescribedFrames> sequences;
   size_t words = 0;  ///< per code
   HammingKernels kernels;
-  std::vector<LaneWords> lanes;
+  std::vector<LaneWords, HugePageAllocator<LaneWords>> lanes;
   std::once_flag has_counts;
   BitCounts counts;  ///< over all readable frames; computed on first use
 };

@@ -7,11 +7,10 @@
 #include <mutex>
 #include <optional>
 
-#include <oneapi/tbb/cache_aligned_allocator.h>
-
 #include "base/error.h"
 #include "database/imported.h"
 #include "match/frame_distances.h"
+#include "match/huge_pages.h"
 #include "match/product_kernels.h"
 
 namespace vpr {
@@ -73,7 +72,7 @@ struct Training {
   ProductKernel<T> kernel = nullptr;
   SizeOf size = nullptr;
   size_t padded_length = 0;
-  std::vector<T, oneapi::tbb::cache_aligned_allocator<T>> rows;  ///< padded
+  std::vector<T, HugePageAllocator<T>> rows;  ///< padded
   std::vector<double> sizes;
 };
 
