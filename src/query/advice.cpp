@@ -18,6 +18,8 @@ namespace {
 
 constexpr size_t kFewest = 4;        // one recognized frame in four tells the cause
 constexpr double kEnough = 2.0 / 3;  // share of recognized frames that needs no advice
+constexpr double kAlmostAll = 0.9;   // the same of a dense query
+constexpr double kDense = 0.75;      // share of keyframes of a dense query, at most
 constexpr size_t kSlowStart = 4;     // paths of keyframes before the first decision, at most
 
 // The mean speed of the longest path, in time if the rates of both sequences are known; nullopt
@@ -117,13 +119,19 @@ double recognized_share(const Result& result) {
          static_cast<double>(std::max<size_t>(result.query.frames, 1));
 }
 
+// The step of the range of a sequence, or 1.
+size_t step_of(const std::string& path) {
+  return path.empty() ? 1 : parse_sequence_argument(path).range.step;
+}
+
 // A sentence if clearly more frames are recognized with a selection of the frames of one side or of
 // both, by the best selection; empty if not. As the filter follows half to twice the speed of the
-// training sequence, a third and a tenth tell whether other selections are worth a try.
+// training sequence, a third and a tenth tell whether other selections are worth a try. If enough
+// frames are recognized, tries only every third frame of both sides. `images`: the query, or null.
 std::string selection_advice(const SequenceDatabase& database, const DescriptorSet& query,
                              const SequenceQuerySettings& settings, const Result& before,
-                             const QueryResources& resources, const Monitor& monitor) {
-  constexpr double kBetter = 1.5;
+                             const QueryResources& resources, const Monitor& monitor,
+                             const SequenceArgument* images) {
   constexpr size_t kAll = 1;
   constexpr size_t kLargestOfOneSide = 3;
   struct Selection {
@@ -141,22 +149,26 @@ std::string selection_advice(const SequenceDatabase& database, const DescriptorS
     found = std::move(result);
     return true;
   };
+  const double share = recognized_share(before);
   const auto step_improves = [&](size_t step) {
     const DescriptorSet fewer =
         selected(query, at_speed(std::to_string(step), query.rows().size(), 1));
     const SequenceDatabase thin = thinned(database, step, silent);
     bool any = improves(thin, fewer, {step, step});
-    if (step > kLargestOfOneSide) return any;
+    if (step > kLargestOfOneSide || share >= kEnough) return any;
     any |= improves(database, fewer, {step, kAll});
     any |= improves(thin, query, {kAll, step});
     return any;
   };
   const bool third = step_improves(3);
-  const bool tenth = step_improves(10);
-  if (third || tenth)
-    for (const size_t step : {2, 4, 6}) step_improves(step);
-  if (recognized_share(found) < std::max(1.0 / kFewest, kBetter * recognized_share(before)))
-    return "";
+  if (share < kEnough) {
+    const bool tenth = step_improves(10);
+    if (third || tenth)
+      for (const size_t step : {2, 4, 6}) step_improves(step);
+  }
+  // Half as many frames more, or half of the others.
+  const double better = std::min(1.5 * share, (1 + share) / 2);
+  if (recognized_share(found) < std::max(1.0 / kFewest, better)) return "";
   const size_t step = std::max(best.query_step, best.train_step);
   const std::string ordinal = step == 2   ? "second"
                               : step == 3 ? "third"
@@ -164,16 +176,17 @@ std::string selection_advice(const SequenceDatabase& database, const DescriptorS
                               : step == 6 ? "sixth"
                                           : "tenth";
   const std::string recognized = recognized_text(found);
+  const size_t trained_step = step * step_of(database.sequences.front().path);
   if (best.query_step == best.train_step)
     return fmt::format(
         "With every {} frame of both sides, {} are recognized: the frames between them say "
         "little new. Train with PATH@::{}, and query PATH@::{}.",
-        ordinal, recognized, step, step);
+        ordinal, recognized, trained_step, step * (images == nullptr ? 1 : images->range.step));
   if (best.train_step != kAll)
     return fmt::format(
         "With every {} training frame, {} are recognized: the query is fast for the training "
         "sequence. Train with PATH@::{}.",
-        ordinal, recognized, step);
+        ordinal, recognized, trained_step);
   return fmt::format(
       "With every {} query frame{}, {} are recognized: the query is slow for the training "
       "sequence, or the training sequence has too few frames per second.",
@@ -286,25 +299,28 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
   const Result forward =
       is_known ? *known : filtered(database, query, settings, resources, monitor);
   if (needs_advice(forward)) {
+    const bool is_enough = recognized_share(forward) >= kEnough;
     const size_t keyframes = forward.keyframes ? forward.keyframes->query.size() : 0;
     size_t trained = 0;  // keyframes of the longest training sequence
     if (forward.keyframes)
       for (const auto& of_sequence : forward.keyframes->train)
         trained = std::max(trained, of_sequence.size());
     const uint64_t needed = FilterSettings{}.path_keyframes;
-    if (std::min(keyframes, trained) < needed)
+    if (!is_enough && std::min(keyframes, trained) < needed)
       return fmt::format(
           "The {} has {} (frames that differ clearly), and the filter needs a path of {}: "
           "record a longer walk.",
           keyframes < needed ? "query" : "training sequence",
           counted(std::min(keyframes, trained), "keyframe"), needed);
     const size_t frames = query.rows().size();
-    if (const size_t reversed = *forward.path->reversed_frames; kFewest * reversed >= frames)
+    const size_t reversed = *forward.path->reversed_frames;
+    if (!is_enough && kFewest * reversed >= frames)
       return fmt::format(
           "The query walked in the opposite direction: with reversed training sequences, {} of {} "
           "are recognized. Train this direction in a database of its own.",
           reversed, counted(frames, "frame"));
-    if (std::string text = selection_advice(database, query, settings, forward, resources, monitor);
+    if (std::string text =
+            selection_advice(database, query, settings, forward, resources, monitor, images);
         !text.empty())
       return text;
     if (kFewest * recognized_windows(forward) < frames) {
@@ -335,7 +351,14 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
 }
 
 bool needs_advice(const Result& result) {
-  return result.path ? recognized_share(result) < kEnough : result.recognitions.empty();
+  if (!result.path) return result.recognitions.empty();
+  const double share = recognized_share(result);
+  if (share < kEnough || share >= kAlmostAll || !result.path->keyframes) return share < kEnough;
+  const auto& settings = std::get<SequenceQuerySettings>(result.settings);
+  const bool is_default =
+      settings_in_force(settings) == settings_in_force(default_filter(settings));
+  return is_default && static_cast<double>(*result.path->keyframes) <=
+                           kDense * static_cast<double>(result.query.frames);
 }
 
 }  // namespace vpr

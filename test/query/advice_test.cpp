@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "examples.h"
@@ -103,6 +104,24 @@ TEST_CASE("a filter that recognizes two thirds of the frames needs no advice") {
   CHECK_FALSE(needs_advice(result));
 }
 
+TEST_CASE("a filter with few keyframes that recognizes less than nine tenths needs advice") {
+  Result result;
+  result.settings = SequenceQuerySettings{Filter{}};
+  result.path.emplace();
+  result.query.frames = 20;
+  for (uint32_t j = 0; j < 17; ++j) result.recognitions.push_back({j, 0, j, 0, 100});
+  CHECK_FALSE(needs_advice(result));  // keyframes are not counted
+  result.path->keyframes = 16;
+  CHECK_FALSE(needs_advice(result));
+  result.path->keyframes = 15;
+  CHECK(needs_advice(result));
+  result.settings = SequenceQuerySettings{Filter{64}};
+  CHECK_FALSE(needs_advice(result));
+  result.settings = SequenceQuerySettings{Filter{}};
+  result.recognitions.push_back({17, 0, 17, 0, 100});
+  CHECK_FALSE(needs_advice(result));
+}
+
 TEST_CASE("advice does not repeat a query with default settings that recognizes its part") {
   const test::Example walk = test::make_example({160}, 0, 3);
   const test::Example other = test::make_example({100}, 0, 9);
@@ -145,6 +164,54 @@ TEST_CASE("images that show more than those of the other sequence are named") {
   CHECK(has(found(middle("monday", 0.5), laps / "tuesday"),
             " of 40 frames are recognized: they show more than the training images. Crop them, or "
             "use the same lens and zoom."));
+}
+
+TEST_CASE("interpolated frames on both sides are named, with the step from the recording") {
+  constexpr int kBlended = 20;  // frames per image
+  const test::TemporaryFolder folder;
+  const auto interpolated = [&](const std::string& lap) {
+    std::vector<std::filesystem::path> files;
+    for (const auto& file :
+         std::filesystem::directory_iterator(test::source_path("data/example") / lap))
+      files.push_back(file.path());
+    std::ranges::sort(files);
+    std::filesystem::create_directory(folder / lap);
+    cv::Mat last;
+    size_t frame = 0;
+    for (const auto& file : files) {
+      const cv::Mat next = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+      for (int k = 0; k < kBlended && !last.empty(); ++k, ++frame) {
+        cv::Mat blended;
+        cv::addWeighted(last, 1 - k / double{kBlended}, next, k / double{kBlended}, 0, blended);
+        cv::imwrite((folder / lap / fmt::format("{:04}.png", frame)).string(), blended);
+      }
+      last = next;
+    }
+    return folder / lap;
+  };
+  const std::filesystem::path monday = interpolated("monday");
+  const std::filesystem::path tuesday = interpolated("tuesday");
+  const auto found = [&](uint64_t step) {
+    const FrameRange range{0, {}, step};
+    SequenceDatabase database = train_sequences({{"monday", {monday, range}}}, {}, {});
+    const SequenceArgument images{tuesday, range};
+    const DescriptorSet query = describe_frames(open_sequence(images), database, false, {});
+    const PreparedDatabase prepared = prepare(database, {Filter{}});
+    const Result known =
+        run_query(plan_query(prepared, query, "", {Filter{}}, {}, {}), {}, {}).result;
+    INFO(fmt::format("{} of {}", recognized_windows(known), known.query.frames));
+    CHECK(needs_advice(known));
+    return filter_advice(database, query, {Filter{}}, {}, {}, &known, &images);
+  };
+  const std::string all = found(1);  // more than two thirds are recognized
+  INFO(all);
+  CHECK(all.starts_with("With every third frame of both sides, "));
+  CHECK(has(all, " of 260 frames are recognized"));
+  CHECK(has(all, "Train with PATH@::3, and query PATH@::3."));
+  const std::string half = found(2);
+  INFO(half);
+  CHECK(half.starts_with("With every third training frame, "));
+  CHECK(half.ends_with("Train with PATH@::6."));
 }
 
 TEST_CASE("without a match of any window, none is compared with a limit") {
