@@ -139,7 +139,7 @@ constexpr std::array kOutputs = {
     "output",      "save-matrix", "save-posteriors", "html",         "plot",
     "map",         "heat-map",    "save-config",     "outcomes-csv", "recognitions-csv",
     "descriptors", "junit",       "save-trajectory", "pairs",        "save-loops",
-    "ask-frames",  "ask-places"};
+    "ask-frames",  "ask-places",  "ask-fabmap"};
 
 /// Protects inputs that exist. Ignores unreadable ones, which the command reports.
 struct Inputs {

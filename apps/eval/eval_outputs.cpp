@@ -309,6 +309,16 @@ constexpr EvalOutput kOutputs[] = {
          [](const EvalRun& run, const Evaluated& evaluated) {
            return questions_text(run, evaluated, place_questions_page);
          }},
+    {.flag = "--ask-fabmap",
+     .help = "HTML page that shows training frames, asks which of them are places of FAB-MAP and "
+             "where the query passes them, and saves the places for vpr-train fabmap --places and "
+             "--ground-truth",
+     .group = kPictureGroup,
+     .answers = "vpr-train fabmap --places fabmap-places.csv",
+     .text =
+         [](const EvalRun& run, const Evaluated& evaluated) {
+           return questions_text(run, evaluated, fabmap_questions_page);
+         }},
     {.flag = "--map",
      .help = "folder for a map with plan, training paths and recognitions along the query's path, "
              "as SVG, PDF and PNG; needs --dataset with poses",

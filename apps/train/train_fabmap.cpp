@@ -1,9 +1,14 @@
 // vpr-train fabmap: a vocabulary, a Chow-Liu tree, and the words of all views.
 
+#include <algorithm>
+
+#include <fmt/format.h>
+
 #include "base/error.h"
 #include "fabmap/word_training.h"
 #include "recordings/sequence_source.h"
 #include "train.h"
+#include "truth/places.h"
 
 namespace vpr {
 namespace {
@@ -11,6 +16,7 @@ namespace {
 struct FabmapOptions {
   TrainOptions train;
   std::vector<std::string> pretrain;
+  std::string marked;  ///< CSV of places
   bool from_openfabmap = false;
   std::string vocabulary;
   std::string tree;
@@ -19,6 +25,27 @@ struct FabmapOptions {
 
 bool has_sequences(const TrainOptions& options) {
   return !options.sequences.empty() || !options.folders.empty() || !options.dataset.empty();
+}
+
+// The marked training frames, each a place.
+std::vector<NamedArgument> marked_arguments(const TrainOptions& options, const std::string& path) {
+  const std::vector<NamedArgument> sequences = named_arguments(options, {});
+  std::vector<NamedArgument> groups;
+  for (const MarkedPlace& place : read_marked_places(path)) {
+    const auto named = std::ranges::find(sequences, place.sequence, &NamedArgument::name);
+    if (named == sequences.end())
+      throw Error(ErrorKind::data, "{}: there is no training sequence \"{}\"", path,
+                  place.sequence);
+    NamedArgument& group = groups.emplace_back(
+        NamedArgument{fmt::format("{}#{}", place.sequence, place.frame), named->sequence, true});
+    FrameRange& range = group.sequence.range;
+    const auto frames = frame_count(range);
+    if (frames && place.frame >= *frames)
+      throw Error(ErrorKind::data, "{}: {} has no frame {}", path, place.sequence, place.frame);
+    const uint64_t frame = range.first + place.frame * range.step;
+    range = {frame, frame + 1};
+  }
+  return groups;
 }
 
 FabmapDatabase train_frames(const FabmapOptions& options, const Session& session) {
@@ -32,12 +59,17 @@ FabmapDatabase train_frames(const FabmapOptions& options, const Session& session
   if (!train.dataset.empty()) {
     const Dataset dataset = read_dataset(train.dataset);
     pretrain.insert(pretrain.end(), dataset.pretrain.begin(), dataset.pretrain.end());
-    for (const DatasetPlace& place : dataset.places)
-      for (const SequenceArgument& view : place.views) groups.push_back({place.name, view, true});
+    if (options.marked.empty())
+      for (const DatasetPlace& place : dataset.places)
+        for (const SequenceArgument& view : place.views) groups.push_back({place.name, view, true});
     if (!groups.empty()) train.dataset.clear();
   }
+  refuse(!options.marked.empty() && !train.places.empty(), "--places",
+         "and --place exclude each other");
   // A database without views is for vpr-query loops.
-  if (has_sequences(train) || !train.places.empty())
+  if (!options.marked.empty())
+    groups = marked_arguments(train, options.marked);
+  else if (has_sequences(train) || !train.places.empty())
     for (const NamedArgument& group : group_arguments(train)) groups.push_back(group);
   if (pretrain.empty())
     throw Error(ErrorKind::usage,
@@ -48,7 +80,8 @@ FabmapDatabase train_frames(const FabmapOptions& options, const Session& session
 
 FabmapDatabase import_files(const FabmapOptions& options) {
   const TrainOptions& train = options.train;
-  refuse(!train.folders.empty() || !train.dataset.empty() || !train.places.empty(),
+  refuse(!train.folders.empty() || !train.dataset.empty() || !train.places.empty() ||
+             !options.marked.empty(),
          "--from-openfabmap", "reads words of frames from --pretrain and --train only");
   if (options.vocabulary.empty() || options.tree.empty() || options.pretrain.size() != 1 ||
       train.sequences.size() != 1)
@@ -100,6 +133,9 @@ void add_fabmap(Program& program) {
                    "sequence of other places, for the vocabulary and the tree; repeatable");
   add_inputs(command, options->train);
   add_place_option(command, options->train.places);
+  command.add_option("--places", options->marked,
+                     "CSV file of the page of vpr-eval --ask-fabmap: the frames of the training "
+                     "sequences that are places (default: each frame)");
   command.add_option("--dataset", options->train.dataset,
                      "data set description instead of sequences");
   add_setting(command, "--features", settings.features.kind, "local features (default: surf)");

@@ -36,4 +36,10 @@ std::string place_questions_page(const Evaluation& evaluation, const Report& rep
 std::string frame_questions_page(const Evaluation& evaluation, const Report& report,
                                  const FrameSources& sources, const Monitor& monitor);
 
+/// Asks which of some evenly spaced training frames are places of FAB-MAP, and which query frame
+/// shows them. The page saves them as read_marked_places reads them. Best matches suggest the query
+/// frames. Throws as frame_questions_page does.
+std::string fabmap_questions_page(const Evaluation& evaluation, const Report& report,
+                                  const FrameSources& sources, const Monitor& monitor);
+
 }  // namespace vpr

@@ -25,6 +25,9 @@ constexpr int kSmallSide = 320;  // of many questions, so that a browser can ope
 constexpr size_t kMostFrames = 200;
 constexpr size_t kSpreadFrames = 50;
 constexpr size_t kTolerance = 5;  // frames; the page may set another one
+constexpr size_t kPlaceCandidates = 60;
+constexpr size_t kPlaceTolerance = 10;   // query frames; the page may set another one
+constexpr size_t kMostPathFrames = 400;  // of the query, to choose from
 
 /// A query frame and a frame of a training sequence.
 using FramePair = std::array<size_t, 2>;
@@ -56,26 +59,29 @@ std::vector<FramePair> pairs_of(const Result& result, const PlacePart& part) {
   return pairs;
 }
 
-/// As images_json.
-Json images_of(const std::vector<Question>& questions, const GroundTruthScope& scope,
-               const FrameSources& sources, const Monitor& monitor) {
+/// As images_json, also of the query frames `path`.
+Json images_of(const std::vector<Question>& questions, const std::vector<size_t>& path,
+               const GroundTruthScope& scope, const FrameSources& sources, const Monitor& monitor) {
   ShownFrames shown;
+  shown.query.insert(path.begin(), path.end());
   shown.references.resize(scope.sequences.size());
   for (const Question& one : questions)
     for (const auto& [query_frame, train_frame] : one.pairs) {
       shown.query.insert(query_frame);
       shown.references[one.sequence].insert(train_frame);
     }
-  const int side = questions.size() > kManyQuestions ? kSmallSide : kImageSide;
+  const int side =
+      std::max(questions.size(), path.size()) > kManyQuestions ? kSmallSide : kImageSide;
   return images_json(read_images(shown, scope, sources, {side}, monitor));
 }
 
-/// `data`: the words of the page.
-std::string page_of(Json data, const std::vector<Question>& questions, const Evaluation& evaluation,
+/// `data`: the words of the page. `path`: query frames to choose from.
+std::string page_of(Json data, const std::vector<Question>& questions,
+                    const std::vector<size_t>& path, const Evaluation& evaluation,
                     const Report& report, const FrameSources& sources, const Monitor& monitor) {
   data["key"] =
       fmt::format("vpr-eval {} {}", data["noun"].get<std::string>(), evaluation.fingerprint);
-  data["images"] = images_of(questions, evaluation.judgment.layout.scope, sources, monitor);
+  data["images"] = images_of(questions, path, evaluation.judgment.layout.scope, sources, monitor);
   data["questions"] = value_to_json(questions);
   return fill_page(kQuestionsPage, {{"title", html_escaped(title_with_settings(report))},
                                     {"style", palette_css() + std::string(kStyle)},
@@ -143,6 +149,14 @@ AskedFrames frames_to_ask(const Evaluation& evaluation) {
   return asked;
 }
 
+void require_frames(const Report& report, std::string_view flag) {
+  if (report.has_places())
+    throw Error(ErrorKind::usage,
+                "{} is for results of frames, and the places of FAB-MAP have no images. "
+                "Use --ground-truth",
+                flag);
+}
+
 /// The first columns of a row of labels.
 std::string label_row(const GroundTruthScope& scope, size_t query, size_t sequence,
                       size_t reference) {
@@ -162,6 +176,43 @@ std::vector<std::string> known_rows(const Evaluation& evaluation, const AskedFra
         label.is_same ? "same" : "different", label.tolerance,
         asked.is_sampled.contains(label.query) ? kAskedSpread : kAskedNear));
   return rows;
+}
+
+/// Evenly spaced frames of the searched training sequences, about kPlaceCandidates, at least one of
+/// each.
+std::vector<FrameMatch> place_candidates(const GroundTruthScope& scope) {
+  size_t all = 0;
+  for (const auto& train : scope.sequences) all += train.searched ? train.sequence.frames : 0;
+  std::vector<FrameMatch> candidates;
+  for (uint32_t s = 0; s < scope.sequences.size(); ++s) {
+    const size_t frames = scope.sequences[s].sequence.frames;
+    if (!scope.sequences[s].searched || frames == 0) continue;
+    const size_t share = (kPlaceCandidates * frames + all / 2) / all;
+    const size_t count = std::min(frames, std::max<size_t>(1, share));
+    for (size_t i = 0; i < count; ++i)
+      candidates.push_back({s, (2 * i + 1) * frames / (2 * count)});
+  }
+  return candidates;
+}
+
+/// The index in `path` of the query frame whose best match is nearest to a training frame, and the
+/// distance in frames; nullopt if no best match is in its sequence.
+std::optional<std::pair<size_t, size_t>> nearest_visit(const Evaluation& evaluation,
+                                                       const std::vector<size_t>& path,
+                                                       const FrameMatch& train) {
+  const QueryOutcome* nearest = nullptr;
+  const auto distance = [&](const QueryOutcome& query) {
+    return std::max(query.best->reference, train.reference) -
+           std::min(query.best->reference, train.reference);
+  };
+  for (const QueryOutcome& query : evaluation.judgment.outcomes.queries)
+    if (query.best && query.best->sequence == train.sequence &&
+        (nearest == nullptr || distance(query) < distance(*nearest)))
+      nearest = &query;
+  if (nearest == nullptr) return std::nullopt;
+  const auto at = std::ranges::lower_bound(path, nearest->frame);
+  const auto index = static_cast<size_t>(at - path.begin());
+  return std::pair(std::min(index, path.size() - 1), distance(*nearest));
 }
 
 /// The tolerance of the latest label, or the usual one.
@@ -199,17 +250,14 @@ std::string place_questions_page(const Evaluation& evaluation, const Report& rep
                            "most {}; the middle pair decides.",
                            kPartFrames)},
       {"next", "vpr-eval RESULT --places places.csv"}};
-  return page_of(words, questions, evaluation, report, sources, monitor);
+  return page_of(words, questions, {}, evaluation, report, sources, monitor);
 }
 
 std::string frame_questions_page(const Evaluation& evaluation, const Report& report,
                                  const FrameSources& sources, const Monitor& monitor) {
   const Judgment& judgment = evaluation.judgment;
   const GroundTruthScope& scope = judgment.layout.scope;
-  if (report.has_places())
-    throw Error(ErrorKind::usage,
-                "--ask-frames is for results of frames, and the places of FAB-MAP have no images. "
-                "Use --ground-truth");
+  require_frames(report, "--ask-frames");
   const AskedFrames asked = frames_to_ask(evaluation);
   std::vector<Question> questions;
   const auto ask = [&](const std::vector<size_t>& frames, std::string_view why) {
@@ -244,7 +292,51 @@ std::string frame_questions_page(const Evaluation& evaluation, const Report& rep
                                  : fmt::format(" {} from before are saved with your answers.",
                                                counted(known.size(), "label")))},
       {"next", "vpr-eval ANY_RESULT --ground-truth labels.csv"}};
-  return page_of(words, questions, evaluation, report, sources, monitor);
+  return page_of(words, questions, {}, evaluation, report, sources, monitor);
+}
+
+std::string fabmap_questions_page(const Evaluation& evaluation, const Report& report,
+                                  const FrameSources& sources, const Monitor& monitor) {
+  require_frames(report, "--ask-fabmap");
+  const GroundTruthScope& scope = evaluation.judgment.layout.scope;
+  const size_t query_frames = scope.query.frames;
+  const size_t count = std::min(query_frames, kMostPathFrames);
+  std::vector<size_t> path;
+  Json recorded = Json::array();
+  for (size_t i = 0; i < count; ++i) {
+    path.push_back(i * query_frames / count);
+    recorded.push_back({path.back(), scope.query.selection.source_of(path.back())});
+  }
+  std::vector<Question> questions;
+  for (const FrameMatch& candidate : place_candidates(scope)) {
+    const auto [s, reference] = candidate;
+    const Sequence& train = scope.sequences[s].sequence;
+    const auto visit = nearest_visit(evaluation, path, candidate);
+    questions.push_back(
+        {.row = fmt::format("{},{}", csv_field(train.name), train.selection.source_of(reference)),
+         .name = train.name,
+         .about = visit ? fmt::format("suggested is query {}, whose best match is {} away",
+                                      path[visit->first], counted(visit->second, "frame"))
+                        : "no best match suggests a query frame",
+         .sequence = s,
+         .pairs = {{path[visit ? visit->first : 0], reference}}});
+  }
+  const Json words = {
+      {"noun", "training frame"},
+      {"question", "A place of FAB-MAP?"},
+      {"answers", {{"yes", "Yes, here"}, {"no", "Yes, not on the path"}, {"unsure", "No place"}}},
+      {"file", "fabmap-places.csv"},
+      {"columns", "sequence,train,query,tolerance"},
+      {"tolerance", kPlaceTolerance},
+      {"path", recorded},
+      {"note",
+       "Yes: the training image is one of FAB-MAP's places; choose the query frame that shows it, "
+       "if "
+       "any. Query frames beyond the tolerance, up to twice as far, are ignored."},
+      {"next",
+       "vpr-train fabmap --places fabmap-places.csv, and vpr-eval --ground-truth "
+       "fabmap-places.csv"}};
+  return page_of(words, questions, path, evaluation, report, sources, monitor);
 }
 
 }  // namespace vpr

@@ -73,6 +73,13 @@ std::vector<GroundTruthFormat> make_formats() {
          return has_columns(start.header, {"query", "reference", "label", "tolerance"});
        },
        read_labels},
+      {"places",
+       "CSV sequence,train,query,tolerance of vpr-eval --ask-fabmap",
+       {"path"},
+       [](const FileStart& start) {
+         return has_columns(start.header, {"sequence", "train", "query", "tolerance"});
+       },
+       read_places},
       {"pairs",
        "CSV query,reference[,label] or query,sequence,reference[,label]",
        {"path", "range"},

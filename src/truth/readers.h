@@ -151,6 +151,13 @@ void write_pairs_csv(const InspectedGroundTruth& ground_truth, Output& file,
 /// is not known.
 std::string read_labels(GroundTruthBuilder& builder);
 
+/// The marked places (read_marked_places) of a FAB-MAP database, by their order: a place is the
+/// same for the query frames of its visits and different for all others, except that as many frames
+/// again on both sides of a visit are ignored. Throws Error(usage) if the number of query frames is
+/// not known, and Error(data) for another number of places than the database has and for frames out
+/// of range.
+std::string read_places(GroundTruthBuilder& builder);
+
 /// A CSV query,anchor or query,sequence,anchor (or reference for anchor): anchors, with increasing
 /// query frames for each training sequence. A query frame between two neighboring anchors of a
 /// sequence is at the training frame found by linear interpolation, rounded (ties up); before the

@@ -38,6 +38,7 @@ void make_inputs() {
            {"falling.csv", "1\n2\n1.5\n"},
            {"repeated.csv", "1\n2\n2\n"},
            {"few.csv", "1\n2\n3\n"},
+           {"marked.csv", "sequence,train,query,tolerance\nnowhere,3,5,2\n"},
            {"cut.npy", "\x93NUMPY"},
            {"g.csv", "query,reference\n0,0\n5,3\n"},
            {"named.csv", "query,reference\na.png,b.png\n"},

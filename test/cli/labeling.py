@@ -244,6 +244,35 @@ def answer_places(browser):
     assert f", by {asked - 1} answers, each for at most {most} frames" in said and most <= 50, said
 
 
+def mark_places(browser):
+    """Marks training frames as places of FAB-MAP, which train a database and judge its result."""
+    run("vpr-eval", "result.json", "--ask-fabmap", "mark.html", "--quiet")
+    browser.open(f"{folder}/mark.html")
+    questions = browser.evaluate("window.data.questions")
+    frames = [int(one["row"].removeprefix("corridor,")) for one in questions]
+    assert len(frames) == 60 and frames == sorted(set(frames)), frames
+    assert browser.evaluate("document.querySelectorAll('#pairs img').length") == 2
+    assert browser.evaluate("[...document.images].every((one) => one.naturalWidth > 0)")
+    set_tolerance(browser, 4)
+    browser.evaluate("""(() => { const slider = document.getElementById('frame');
+        slider.value = 33; slider.dispatchEvent(new Event('input')); })()""")
+    assert "query 33, " in browser.evaluate("document.getElementById('pairs').textContent")
+    for key in "yunu":
+        browser.press(key)
+    suggested = questions[4]["pairs"][0][0]
+    browser.press("y")
+    browser.open(f"{folder}/mark.html")  # answers and the chosen frame remain
+    lines = saved(browser, "save", "fabmap-places.csv").splitlines()
+    assert lines == ["sequence,train,query,tolerance", f"corridor,{frames[0]},33,4", f"corridor,{frames[2]},,",
+                     f"corridor,{frames[4]},{suggested},4"], lines
+    run("vpr-train", "fabmap", "--pretrain", "world/upstairs", "--train", "world/corridor", "--places", "fabmap-places.csv",
+        "--features", "orb", "--words", 50, "-o", "f.vprdb", "--quiet")
+    run("vpr-query", "f.vprdb", "--query", "world/query@0:90", "-o", "fabmap.json", "--quiet")
+    report = json.loads(run("vpr-eval", "fabmap.json", "--ground-truth", "fabmap-places.csv", "--json"))
+    assert report["localization"]["frames_with_match"] == len(
+        {*range(29, 38), *range(max(0, suggested - 4), suggested + 5)}), report["localization"]
+
+
 def relabel_with_truth(browser):
     run("vpr-eval", "result.json", "--ground-truth", "aligned", "--html", "judged.html",
         "-o", "report.json", "--quiet")
@@ -280,5 +309,5 @@ run(*query, "result.json", "--c-l", 3, "--t-r", 0.4)
 run(*query, "other.json")
 with Chromium(folder / "profile") as browser:
     browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
-    for part in (set_anchors, label_frames, estimate_from_a_sample, answer_places, relabel_with_truth):
+    for part in (set_anchors, label_frames, estimate_from_a_sample, answer_places, mark_places, relabel_with_truth):
         part(browser)

@@ -84,6 +84,7 @@ vpr-eval frames.json --dataset DATA --html frames.html --plot plots-frames -o re
 vpr-eval fabmap.json --dataset DATA --html fabmap.html --plot plots-fabmap -o reports/fabmap.json
 vpr-eval frames.json --html unjudged.html
 vpr-eval windows.json --dataset DATA --ask-places places.html
+vpr-eval windows.json --dataset DATA --ask-fabmap mark.html
 vpr-tune fastable s.vprdb --dataset DATA --c-l 1,5,10,20 --t-r 0.2:0.8:0.1 --plot plots-tune
 vpr-query s.vprdb --query world/query --c-l 1 --t-r 0.3 --save-matrix all.npy -o all.json
 vpr-eval matrix all.npy --distance --ground-truth aligned --recall-at 1,5,10 --html matrix.html --plot plots-matrix
