@@ -28,6 +28,12 @@ def frames_of_places(data, query):
     return frames
 
 
+def marked_places(path):
+    """The places in a file of marked places that are on the path."""
+    with path.open() as file:
+        return {(row["sequence"], row["train"]) for row in csv.DictReader(file) if row["query"]}
+
+
 def near_turns(poses):
     """For each frame, whether the path turns by more than TURN_DEG within NEAR_TURN_M before or after it."""
     way = [0.0] if poses else []

@@ -85,7 +85,8 @@ def check_openable(laboratory, name, query, row, counts):
 
 
 def run_floor(experiment, laboratory):
-    """A separate query per row. Without ground truth, places are judged by answers to a page."""
+    """A separate query per row, with a map. Without ground truth, places of FastABLE are judged by answers to a
+    page, and those of FAB-MAP are the frames that a person marked on another one."""
     ours = []
     for row in experiment["rows"]:
         data = laboratory.data(row["data"])
@@ -93,25 +94,32 @@ def run_floor(experiment, laboratory):
             ours.append(Measured(row, reason=reason))
             continue
         query = data.query(row["query"])
-        if row["method"] == "FastABLE":
-            ours.append(run_windows(laboratory, data, row, "ground_truth" in query))
-        elif "place_ground_truth" in query and data.content.get("places"):
-            report = laboratory.report("fabmap", row["data"], row["query"], "--c-w", row["c_w"],
-                                       "--t-p", row["t_p"])
-            ours.append(Measured(row, {**measures(report["counts"]), **shares(report),
-                                       "places on the path": len(along_path.frames_of_places(data, query))}))
-        else:
-            ours.append(Measured(row, reason="dataset.json has no places for FAB-MAP"))
+        if row["method"] != "FastABLE":
+            ours.append(run_places(laboratory, data, row, query))
+            continue
+        is_asked = needs_marks(data, query) and not ours  # once
+        ours.append(run_windows(laboratory, data, row, query,
+                                ["--ask-fabmap", marking_page(laboratory, data)] if is_asked else []))
     return ours
 
 
-def run_windows(laboratory, data, row, has_truth):
+def map_options(laboratory, data, query, stem):
+    """The flags that draw a map, if the positions of the query's frames are known."""
+    if along_path.positions(data, query):
+        return ["--map", laboratory.figures / f"{stem}-map"]
+    laboratory.note(f"Map: not measured. The query {query['name']} in dataset.json has no \"poses\", a file "
+                    "frame,x,y,heading.")
+    return []
+
+
+def run_windows(laboratory, data, row, query, pages):
     """A row of FastABLE; out/figures shows its recognitions along the query."""
+    has_truth = "ground_truth" in query
     stem = f"{data.name}-c_l-{row['c_l']}"
     quick = "-quick" if laboratory.is_quick else ""  # which has other places
     answers = data.description.parent / f"places{quick}-c_l-{row['c_l']}.csv"
     page = laboratory.figures / f"{stem}.html"
-    evaluation = ["--plot", laboratory.figures / stem]
+    evaluation = ["--plot", laboratory.figures / stem, *map_options(laboratory, data, query, stem), *pages]
     if not has_truth:
         evaluation += ["--places", answers] if answers.exists() else ["--ask-places", page]
     report = laboratory.report("fastable", data.name, row["query"], "--c-l", row["c_l"], "--t-r",
@@ -124,6 +132,35 @@ def run_windows(laboratory, data, row, has_truth):
         f"c_l {row['c_l']}: places are not labeled. Open figures/{page.name}, answer the question on each "
         f"place (y or n), save its file as {answers.name} next to dataset.json, then run this again.")
     return Measured(row, {**measures(report["counts"]), **shares(report)}, reason="places are not labeled")
+
+
+def needs_marks(data, query):
+    """Whether FAB-MAP's places are neither in the recordings nor marked."""
+    return not data.marked and not ("place_ground_truth" in query and data.content.get("places"))
+
+
+def marking_page(laboratory, data):
+    return laboratory.figures / f"{data.name}-fabmap.html"
+
+
+def run_places(laboratory, data, row, query):
+    """A row of FAB-MAP."""
+    if needs_marks(data, query):
+        laboratory.note(f"FAB-MAP: not measured. Open figures/{marking_page(laboratory, data).name}, mark the training "
+                        "frames that are its places, save fabmap-places.csv next to dataset.json, then run this again.")
+        return Measured(row, reason="the places of FAB-MAP are not marked")
+    evaluation = map_options(laboratory, data, query, f"{data.name}-c_w-{row['c_w']}")
+    if data.marked:
+        evaluation += ["--ground-truth", data.marked]
+        there = along_path.marked_places(data.marked)
+    else:
+        there = along_path.frames_of_places(data, query)
+    if data.vocabulary:
+        laboratory.note("FAB-MAP: dataset.json has no \"pretrain\", so the vocabulary is of frames of "
+                        f"{', '.join(data.vocabulary)}.")
+    report = laboratory.report("fabmap", data.name, row["query"], "--c-w", row["c_w"], "--t-p", row["t_p"],
+                               evaluation=evaluation)
+    return Measured(row, {**measures(report["counts"]), **shares(report), "places on the path": len(there)})
 
 
 def shares(report):

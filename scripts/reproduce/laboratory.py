@@ -14,6 +14,7 @@ PROGRAMS = ("vpr-synth", "vpr-train", "vpr-query", "vpr-eval", "vpr-tune")  # of
 SIGN_OF_LIFE_S = 30
 INTERRUPTED = 130  # exit code
 QUICK_WIDTH, QUICK_HEIGHT = 160, 120  # of rendered images, in pixels
+VOCABULARY_STEP = 5  # of the frames of a vocabulary that is made of the recordings' own sequences
 QUICK_SHARE = 2 / 3  # of the frames of recordings: windows of 80 frames still fit all sequences
 
 
@@ -94,6 +95,13 @@ class DataSet:
         self.suffix = ""  # of names of databases
         if not self.is_stand_in:
             self.suffix = f".{sha256(data_state(name, laboratory.folder))[:8]}"
+        marked = self.description.parent / "fabmap-places.csv"
+        self.marked = None if self.content.get("places") or not marked.exists() else marked
+        self.vocabulary = []  # of marked places without "pretrain": other queries, or else training sequences
+        if self.marked and not self.content.get("pretrain"):
+            others = [one for one in self.content["queries"] if one["name"] != "query"]
+            self.vocabulary = [one["sequence"] + ("" if "@" in one["sequence"] else f"@::{VOCABULARY_STEP}")
+                               for one in others or self.content["train"]]
         self.thinned = []  # flags that select a part of the frames
         if laboratory.is_quick and not self.is_stand_in and "fps" in self.content:
             self.thinned = ["--fps", f"{self.content['fps'] * QUICK_SHARE:g}"]
@@ -123,9 +131,19 @@ class DataSet:
             raise Failure(f"{self.description}: there is no query named {name}. Add it there", 2)
         return found[0]
 
+    def fabmap_options(self):
+        """The places that a person marked and, if the recordings have no frames of other places, frames for the
+        vocabulary."""
+        if not self.marked:
+            return []
+        options = ["--places", self.marked]
+        for text in self.vocabulary:
+            options += ["--pretrain", self.description.parent / text]
+        return options
+
     def train(self, method):
         database = self.work / f"{self.name}{self.suffix}.{method}.vprdb"
-        options = ["--c-l", 40, *self.thinned] if method == "fastable" else []
+        options = ["--c-l", 40, *self.thinned] if method == "fastable" else self.fabmap_options()
         if not is_fresh(database / "manifest.json", self.description, BIN / "vpr-train"):
             run(f"train {method} on {self.name}", "vpr-train", method, "--dataset",
                 self.description, *options, "-o", database, "--force")
@@ -182,6 +200,12 @@ class Laboratory:
         run(f"evaluate {query}", "vpr-eval", result, *data, *evaluation, "-o", report, "--force",
             "--quiet")
         return self.written(report)
+
+    def note(self, sentence):
+        """Adds a sentence to the notes, once."""
+        if sentence not in self.notes:
+            self.notes.append(sentence)
+            say(sentence)
 
     def keep_result(self, stem):
         """Renames the last result and its arrays; returns its path."""

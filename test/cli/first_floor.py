@@ -88,6 +88,9 @@ def check_unlabeled():
         assert page.exists() and page.name in messages and f"places-c_l-{c_l}.csv" in messages, messages
         assert list((folder / f"out/figures/put-mc-floor1-c_l-{c_l}").glob("*.svg")), f"c_l {c_l}: no figures"
     assert all(outcome["holds"] is None and outcome["reason"] for outcome in written["findings"]), written["findings"]
+    assert (folder / "out/figures/put-mc-floor1-fabmap.html").exists()
+    text = (folder / "out/floor1.md").read_text()
+    assert text.count("\nMap: not measured.") == text.count("\nFAB-MAP: not measured.") == 1, text
     return written
 
 
@@ -102,6 +105,9 @@ def check_labeled(before):
     assert 0 < found["correct recognitions"] <= sum(sizes[1:]), (found, sizes)
     assert found["recognitions"] == numbers(before, 80)["recognitions"], found
     assert numbers(written, 60) == numbers(before, 60), "c_l 60 has no answers"
+    # Findings on FastABLE are checked at the c_l that has answers.
+    for outcome in written["findings"][:3]:
+        assert outcome["holds"] is not None and [part["settings"]["c_l"] for part in outcome["parts"]] == [80], outcome
 
 
 rendered = render()
