@@ -311,10 +311,11 @@ constexpr EvalOutput kOutputs[] = {
          }},
     {.flag = "--ask-fabmap",
      .help = "HTML page that shows training frames, asks which of them are places of FAB-MAP and "
-             "where the query passes them, and saves the places for vpr-train fabmap --places and "
+             "where the query passes them, and saves the places for vpr-train fabmap "
+             "--marked-places and "
              "--ground-truth",
      .group = kPictureGroup,
-     .answers = "vpr-train fabmap --places fabmap-places.csv",
+     .answers = "vpr-train fabmap --marked-places fabmap-places.csv",
      .text =
          [](const EvalRun& run, const Evaluated& evaluated) {
            return questions_text(run, evaluated, fabmap_questions_page);

@@ -64,7 +64,7 @@ FabmapDatabase train_frames(const FabmapOptions& options, const Session& session
         for (const SequenceArgument& view : place.views) groups.push_back({place.name, view, true});
     if (!groups.empty()) train.dataset.clear();
   }
-  refuse(!options.marked.empty() && !train.places.empty(), "--places",
+  refuse(!options.marked.empty() && !train.places.empty(), "--marked-places",
          "and --place exclude each other");
   // A database without views is for vpr-query loops.
   if (!options.marked.empty())
@@ -133,7 +133,7 @@ void add_fabmap(Program& program) {
                    "sequence of other places, for the vocabulary and the tree; repeatable");
   add_inputs(command, options->train);
   add_place_option(command, options->train.places);
-  command.add_option("--places", options->marked,
+  command.add_option("--marked-places", options->marked,
                      "CSV file of the page of vpr-eval --ask-fabmap: the frames of the training "
                      "sequences that are places (default: each frame)");
   command.add_option("--dataset", options->train.dataset,

@@ -136,7 +136,7 @@ class DataSet:
         vocabulary."""
         if not self.marked:
             return []
-        options = ["--places", self.marked]
+        options = ["--marked-places", self.marked]
         for text in self.vocabulary:
             options += ["--pretrain", self.description.parent / text]
         return options

@@ -334,7 +334,7 @@ std::string fabmap_questions_page(const Evaluation& evaluation, const Report& re
        "if "
        "any. Query frames beyond the tolerance, up to twice as far, are ignored."},
       {"next",
-       "vpr-train fabmap --places fabmap-places.csv, and vpr-eval --ground-truth "
+       "vpr-train fabmap --marked-places fabmap-places.csv, and vpr-eval --ground-truth "
        "fabmap-places.csv"}};
   return page_of(words, questions, path, evaluation, report, sources, monitor);
 }

@@ -265,7 +265,7 @@ def mark_places(browser):
     lines = saved(browser, "save", "fabmap-places.csv").splitlines()
     assert lines == ["sequence,train,query,tolerance", f"corridor,{frames[0]},33,4", f"corridor,{frames[2]},,",
                      f"corridor,{frames[4]},{suggested},4"], lines
-    run("vpr-train", "fabmap", "--pretrain", "world/upstairs", "--train", "world/corridor", "--places", "fabmap-places.csv",
+    run("vpr-train", "fabmap", "--pretrain", "world/upstairs", "--train", "world/corridor", "--marked-places", "fabmap-places.csv",
         "--features", "orb", "--words", 50, "-o", "f.vprdb", "--quiet")
     run("vpr-query", "f.vprdb", "--query", "world/query@0:90", "-o", "fabmap.json", "--quiet")
     report = json.loads(run("vpr-eval", "fabmap.json", "--ground-truth", "fabmap-places.csv", "--json"))
