@@ -91,8 +91,9 @@ std::string advice_text(const QueryData& data, const SequenceArgument& images, c
   const auto& settings = std::get<SequenceQuerySettings>(result.settings);
   if (settings.past) return wrapped_text(no_recognition_advice(result));
   ensure_statistics(*data.database, session.monitor);
-  return wrapped_text(filter_advice(*data.database, data.query, settings, resources,
-                                    session.monitor, &result, &images));
+  const std::string advice = filter_advice(*data.database, data.query, settings, resources,
+                                           session.monitor, &result, &images);
+  return advice.empty() ? "" : wrapped_text(advice);
 }
 
 struct NamedSource {
