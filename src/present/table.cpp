@@ -296,7 +296,8 @@ Table joined_tables(const std::vector<std::pair<std::string, Table>>& tables) {
         if (!joined.title.empty()) joined.title += part.starts_with(' ') ? ";" : "; ";
         joined.title += part;
       }
-    for (const std::string& note : table.notes) joined.notes.push_back(fmt::format("{}: {}", name, note));
+    for (const std::string& note : table.notes)
+      joined.notes.push_back(fmt::format("{}: {}", name, note));
   }
   return joined;
 }
