@@ -124,6 +124,41 @@ size_t step_of(const std::string& path) {
   return path.empty() ? 1 : parse_sequence_argument(path).range.step;
 }
 
+// Frames of both sides, by their steps.
+struct Steps {
+  size_t query_step = 1;
+  size_t train_step = 1;
+};
+
+// The advice to use steps with which so many frames are recognized. `images`: the query, or
+// null.
+std::string selection_text(const Steps& steps, const std::string& recognized,
+                           const SequenceDatabase& database, const DescriptorSet& query,
+                           const SequenceArgument* images) {
+  const size_t step = std::max(steps.query_step, steps.train_step);
+  const std::string ordinal = step == 2   ? "second"
+                              : step == 3 ? "third"
+                              : step == 4 ? "fourth"
+                              : step == 6 ? "sixth"
+                                          : "tenth";
+  const size_t trained_step = step * step_of(database.sequences.front().path);
+  if (steps.query_step == steps.train_step)
+    return fmt::format(
+        "With every {} frame of both sides, {} are recognized: the frames between them say "
+        "little new. Train with PATH@::{}, and query PATH@::{}.",
+        ordinal, recognized, trained_step, step * (images == nullptr ? 1 : images->range.step));
+  if (steps.train_step != 1)
+    return fmt::format(
+        "With every {} training frame, {} are recognized: the query is fast for the training "
+        "sequence. Train with PATH@::{}.",
+        ordinal, recognized, trained_step);
+  return fmt::format(
+      "With every {} query frame{}, {} are recognized: the query is slow for the training "
+      "sequence, or the training sequence has too few frames per second.",
+      ordinal, query.sequence.selection.speed.empty() ? fmt::format(" (--speed {})", step) : "",
+      recognized);
+}
+
 // A sentence if clearly more frames are recognized with a selection of the frames of one side or of
 // both, by the best selection; empty if not. As the filter follows half to twice the speed of the
 // training sequence, a third and a tenth tell whether other selections are worth a try. If enough
@@ -132,20 +167,15 @@ std::string selection_advice(const SequenceDatabase& database, const DescriptorS
                              const SequenceQuerySettings& settings, const Result& before,
                              const QueryResources& resources, const Monitor& monitor,
                              const SequenceArgument* images) {
-  constexpr size_t kAll = 1;
   constexpr size_t kLargestOfOneSide = 3;
-  struct Selection {
-    size_t query_step = kAll;
-    size_t train_step = kAll;
-  };
   const Monitor silent = {{}, {}, monitor.stop};
-  Selection best;
+  Steps best;
   Result found = before;
   const auto improves = [&](const SequenceDatabase& trained, const DescriptorSet& frames,
-                            const Selection& selection) {
+                            const Steps& steps) {
     Result result = filtered(trained, frames, settings, resources, monitor);
     if (recognized_share(result) <= recognized_share(found)) return false;
-    best = selection;
+    best = steps;
     found = std::move(result);
     return true;
   };
@@ -156,8 +186,8 @@ std::string selection_advice(const SequenceDatabase& database, const DescriptorS
     const SequenceDatabase thin = thinned(database, step, silent);
     bool any = improves(thin, fewer, {step, step});
     if (step > kLargestOfOneSide || share >= kEnough) return any;
-    any |= improves(database, fewer, {step, kAll});
-    any |= improves(thin, query, {kAll, step});
+    any |= improves(database, fewer, {step, 1});
+    any |= improves(thin, query, {1, step});
     return any;
   };
   const bool third = step_improves(3);
@@ -169,29 +199,7 @@ std::string selection_advice(const SequenceDatabase& database, const DescriptorS
   // Half as many frames more, or half of the others.
   const double better = std::min(1.5 * share, (1 + share) / 2);
   if (recognized_share(found) < std::max(1.0 / kFewest, better)) return "";
-  const size_t step = std::max(best.query_step, best.train_step);
-  const std::string ordinal = step == 2   ? "second"
-                              : step == 3 ? "third"
-                              : step == 4 ? "fourth"
-                              : step == 6 ? "sixth"
-                                          : "tenth";
-  const std::string recognized = recognized_text(found);
-  const size_t trained_step = step * step_of(database.sequences.front().path);
-  if (best.query_step == best.train_step)
-    return fmt::format(
-        "With every {} frame of both sides, {} are recognized: the frames between them say "
-        "little new. Train with PATH@::{}, and query PATH@::{}.",
-        ordinal, recognized, trained_step, step * (images == nullptr ? 1 : images->range.step));
-  if (best.train_step != kAll)
-    return fmt::format(
-        "With every {} training frame, {} are recognized: the query is fast for the training "
-        "sequence. Train with PATH@::{}.",
-        ordinal, recognized, trained_step);
-  return fmt::format(
-      "With every {} query frame{}, {} are recognized: the query is slow for the training "
-      "sequence, or the training sequence has too few frames per second.",
-      ordinal, query.sequence.selection.speed.empty() ? fmt::format(" (--speed {})", step) : "",
-      recognized);
+  return selection_text(best, recognized_text(found), database, query, images);
 }
 
 // A sentence if a quarter of the frames is recognized with the middle of the images of one side;
