@@ -35,7 +35,7 @@ constexpr std::array<ValueWord, 7> kValueWords = {
     {{"SEQUENCE", " --query --train --pretrain --validate --images "},
      {"FILE",
       " --dataset --names --vocabulary --tree --save-config --save-posteriors --heat-map --result "
-      "--ground-truth --validate-ground-truth "},
+      "--ground-truth --validate-ground-truth --marked-places "},
      {"FOLDER", " --train-folders --plot --fabmap "},
      {"PATH", " --output "},
      {"NAME", " --name --only-sequence --place --sequence --same-place --descriptor "},

@@ -134,8 +134,8 @@ void add_fabmap(Program& program) {
   add_inputs(command, options->train);
   add_place_option(command, options->train.places);
   command.add_option("--marked-places", options->marked,
-                     "CSV file of the page of vpr-eval --ask-fabmap: the frames of the training "
-                     "sequences that are places (default: each frame)");
+                     "training frames that are places, by the page of vpr-eval --ask-fabmap "
+                     "(default: each frame)");
   command.add_option("--dataset", options->train.dataset,
                      "data set description instead of sequences");
   add_setting(command, "--features", settings.features.kind, "local features (default: surf)");

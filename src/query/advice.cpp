@@ -130,8 +130,8 @@ struct Steps {
   size_t train_step = 1;
 };
 
-// The advice to use steps with which so many frames are recognized. `images`: the query, or
-// null.
+// The advice to use these steps. `recognized`: the frames that are then recognized, in words.
+// `images`: the query, or null.
 std::string selection_text(const Steps& steps, const std::string& recognized,
                            const SequenceDatabase& database, const DescriptorSet& query,
                            const SequenceArgument* images) {
