@@ -84,7 +84,7 @@ class Chromium:
                                         "document.URL !== 'about:blank'"))
 
     @staticmethod
-    def wait(condition, seconds=30):
+    def wait(condition, seconds=120):
         end = time.monotonic() + seconds
         while not condition():
             assert time.monotonic() < end, "waited in vain"
