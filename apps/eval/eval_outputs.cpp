@@ -213,8 +213,8 @@ void draw_plots(const EvalRun& run, const Evaluated& evaluated, const fs::path& 
                   run.session.monitor);
 }
 
-std::string questions_text(const EvalRun& run, const Evaluated& evaluated,
-                           decltype(place_questions_page)& page_of) {
+template <decltype(place_questions_page)& page_of>
+std::string questions_text(const EvalRun& run, const Evaluated& evaluated) {
   const FrameSources sources = find_frames(run.flags, evaluated);
   if (!has_all_frames(sources, true)) throw Error(ErrorKind::usage, "{}", kChanged);
   return page_of(evaluated.evaluation, evaluated.report, sources, run.session.monitor);
@@ -296,30 +296,20 @@ constexpr EvalOutput kOutputs[] = {
              "judged",
      .group = kPictureGroup,
      .answers = "--ground-truth labels.csv",
-     .text =
-         [](const EvalRun& run, const Evaluated& evaluated) {
-           return questions_text(run, evaluated, frame_questions_page);
-         }},
+     .text = questions_text<frame_questions_page>},
     {.flag = "--ask-places",
      .help = "HTML page that shows images of each recognized place, asks whether it is the same "
              "place, and saves the answers for --places",
      .group = kPictureGroup,
      .answers = "--places places.csv",
-     .text =
-         [](const EvalRun& run, const Evaluated& evaluated) {
-           return questions_text(run, evaluated, place_questions_page);
-         }},
+     .text = questions_text<place_questions_page>},
     {.flag = "--ask-fabmap",
      .help = "HTML page that shows training frames, asks which of them are places of FAB-MAP and "
              "where the query passes them, and saves the places for vpr-train fabmap "
-             "--marked-places and "
-             "--ground-truth",
+             "--marked-places and --ground-truth",
      .group = kPictureGroup,
      .answers = "vpr-train fabmap --marked-places fabmap-places.csv",
-     .text =
-         [](const EvalRun& run, const Evaluated& evaluated) {
-           return questions_text(run, evaluated, fabmap_questions_page);
-         }},
+     .text = questions_text<fabmap_questions_page>},
     {.flag = "--map",
      .help = "folder for a map with plan, training paths and recognitions along the query's path, "
              "as SVG, PDF and PNG; needs --dataset with poses",

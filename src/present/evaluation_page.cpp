@@ -5,7 +5,6 @@
 #include <cmath>
 #include <set>
 #include <span>
-#include <variant>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -170,10 +169,8 @@ std::string title_of(const Report& report, const GroundTruthScope& scope) {
 }
 
 bool has_witness(const Evaluation& evaluation) {
-  if (!evaluation.result) return false;
-  const auto* settings = std::get_if<SequenceQuerySettings>(&evaluation.result->result->settings);
-  const auto* filter = settings == nullptr ? nullptr : std::get_if<Filter>(&settings->rule);
-  return filter != nullptr && filter->witness != Witness::none;
+  const Result* result = evaluation.result ? evaluation.result->result.get() : nullptr;
+  return result != nullptr && result->path && !result->path->witnessed.empty();
 }
 
 /// By query: x and y of each inlier in the image of the query and of its best match, as shares
