@@ -13,7 +13,7 @@ class CMakeBuild(build_ext):
         source = os.path.dirname(os.path.abspath(__file__))
         build = os.path.abspath(self.build_temp)
         prefix = os.path.abspath(self.build_lib)
-        subprocess.run(["cmake", "-G", "Ninja", "-S", source, "-B", build, "-DBUILD_TESTING=OFF",
+        subprocess.run(["cmake", "--preset", "release", "-S", source, "-B", build, "-DBUILD_TESTING=OFF",
                         "-DVPR_PYTHON_MODULE=ON", "-DVPR_PYTHON_DIR=.",
                         f"-DPython_EXECUTABLE={sys.executable}"], check=True)
         subprocess.run(["cmake", "--build", build, "--parallel", str(os.cpu_count()), "--target",

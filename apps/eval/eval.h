@@ -22,6 +22,7 @@ namespace vpr {
 
 inline constexpr const char* kPictureGroup = "Page and plots";
 inline constexpr const char* kFileGroup = "Other outputs";
+inline constexpr const char* kMoreGroup = "More options";
 inline constexpr const char* kNeedsExpected = "needs --expect, the file of expected values";
 
 /// --ground-truth and --dataset, with the flags that describe a ground truth.

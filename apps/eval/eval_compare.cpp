@@ -16,8 +16,6 @@
 namespace vpr {
 namespace {
 
-constexpr const char* kMoreGroup = "More options";
-
 struct CompareInputs {
   std::vector<std::string> reports;
   TruthSource truth;  ///< of results

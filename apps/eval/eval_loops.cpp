@@ -17,7 +17,6 @@ namespace vpr {
 namespace {
 
 constexpr double kMaxGap = 1e9;
-constexpr const char* kMoreGroup = "More options";
 
 /// Empty strings: not given.
 struct LoopInputs {

@@ -12,6 +12,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "evaluate/report.h"
+#include "html_parts.h"  // the files of src/present/html, by the build
 #include "present/chart.h"
 #include "present/evaluation_charts.h"
 #include "present/html_page.h"
@@ -23,13 +24,10 @@
 namespace vpr {
 namespace {
 
-// The files of src/present/html as string constants.
-#include "html_parts.inc"
-
-constexpr size_t kMatrixSide = 800;    // pixels
-constexpr double kPageWidth = 1180;    // of charts along the path
-constexpr size_t kMostPoints = 300;    // of curves in the data
-constexpr size_t kMostPictured = 120;  // queries with images at the slider
+constexpr size_t kPageMatrixSide = 800;  // pixels
+constexpr double kPageWidth = 1180;      // of charts along the path
+constexpr size_t kMostPagePoints = 300;  // of curves in the data
+constexpr size_t kMostPictured = 120;    // queries with images at the slider
 constexpr std::string_view kDisagreements =
     "<button type=\"button\" id=\"next-disagreement\">next disagreement (n)</button>\n"
     "<button type=\"button\" id=\"save-disagreements\">save disagreements.csv</button>";
@@ -68,7 +66,7 @@ std::string figures_html(std::span<const Chart> charts) {
 
 std::string matrix_html(const Evaluation& evaluation, const Report& report,
                         const Monitor& monitor) {
-  Chart matrix = matrix_chart(evaluation, report, kMatrixSide, monitor);
+  Chart matrix = matrix_chart(evaluation, report, kPageMatrixSide, monitor);
   matrix.title = "Query frames against training frames";
   matrix.width = evaluation.matrix ? 900 : 560;
   return fmt::format(
@@ -150,7 +148,7 @@ void add_sources(Json& data, const GroundTruthScope& scope) {
 
 // "filter on tuesday (111 frames) in monday (111 frames)".
 std::string title_of(const Report& report, const GroundTruthScope& scope) {
-  constexpr size_t kMostNamed = 3;  // training sequences
+  constexpr size_t kMostTrained = 3;  // training sequences
   std::vector<std::string> trained;
   size_t frames = 0;
   for (const auto& train : scope.sequences) {
@@ -161,7 +159,7 @@ std::string title_of(const Report& report, const GroundTruthScope& scope) {
   }
   std::string title =
       fmt::format("{} ({})", evaluation_title(report), counted(scope.query.frames, "frame"));
-  if (trained.size() > kMostNamed)
+  if (trained.size() > kMostTrained)
     return title +
            fmt::format(" in {} training sequences ({})", trained.size(), counted(frames, "frame"));
   if (!trained.empty()) title += fmt::format(" in {}", fmt::join(trained, ", "));
@@ -217,7 +215,7 @@ Json page_data(const Report& report, const Judgment& judgment, const GroundTruth
   data["train"] = value_to_json(frame_bands(judgment.layout));
   data["positives"] = judgment.single_best.positives;
   data["steps"] = Json::array();
-  for (const ThresholdStep& step : threshold_steps(report, judgment, kMostPoints))
+  for (const ThresholdStep& step : threshold_steps(report, judgment, kMostPagePoints))
     data["steps"].push_back({step.threshold, step.accepted[0], step.accepted[1], step.accepted[2]});
   data["order"] = enum_name(confidence_order(judgment.outcomes));
   data["asked"] = required_margin(judgment.outcomes);
@@ -252,26 +250,27 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
   Json& protocol = json["protocol"];
   protocol.erase("ground_truth");                      // the subtitle
   if (truth.is_known) protocol.erase("localization");  // the title of its table
-  return fill_page(kPage, {{"title", html_escaped(title_of(report, judgment.layout.scope))},
-                           {"summary", html_escaped(summary)},
-                           {"subtitle", html_escaped(settings + "Ground truth: " + truth.protocol)},
-                           {"style", palette_css() + std::string(kStyle)},
-                           {"script", std::string(kScript) + std::string(kAnchorScript)},
-                           {"disagreements", truth.is_known ? std::string(kDisagreements) : ""},
-                           {"tables", tables_html(report)},
-                           {"protocol", list_html(protocol)},
-                           {"provenance", list_html(json["settings"]) + list_html(made)},
-                           {"curves", figures_html(curve_charts(report, judgment))},
-                           {"threshold", by_margin(judgment) ? "Margin" : "Threshold"},
-                           {"path", figure_html(timeline) + figures_html(below)},
-                           {"matrix_link", matrix.empty() ? "" : "<a href=\"#matrix\">Matrix</a> "},
-                           {"matrix", matrix},
-                           {"gallery_note", html_escaped(gallery.note)},
-                           {"kinds", gallery.kinds},
-                           {"cards", gallery.cards},
-                           {"single", judgment.layout.window_length == 1 ? " single" : ""},
-                           {"data", script_json(page_data(report, judgment, truth, gallery.pictured,
-                                                          has_witness(evaluation)))}});
+  return fill_page(html::kPage,
+                   {{"title", html_escaped(title_of(report, judgment.layout.scope))},
+                    {"summary", html_escaped(summary)},
+                    {"subtitle", html_escaped(settings + "Ground truth: " + truth.protocol)},
+                    {"style", palette_css() + std::string(html::kStyle)},
+                    {"script", std::string(html::kScript) + std::string(html::kAnchorScript)},
+                    {"disagreements", truth.is_known ? std::string(kDisagreements) : ""},
+                    {"tables", tables_html(report)},
+                    {"protocol", list_html(protocol)},
+                    {"provenance", list_html(json["settings"]) + list_html(made)},
+                    {"curves", figures_html(curve_charts(report, judgment))},
+                    {"threshold", by_margin(judgment) ? "Margin" : "Threshold"},
+                    {"path", figure_html(timeline) + figures_html(below)},
+                    {"matrix_link", matrix.empty() ? "" : "<a href=\"#matrix\">Matrix</a> "},
+                    {"matrix", matrix},
+                    {"gallery_note", html_escaped(gallery.note)},
+                    {"kinds", gallery.kinds},
+                    {"cards", gallery.cards},
+                    {"single", judgment.layout.window_length == 1 ? " single" : ""},
+                    {"data", script_json(page_data(report, judgment, truth, gallery.pictured,
+                                                   has_witness(evaluation)))}});
 }
 
 std::string evaluation_preview(const Evaluation& evaluation, const Report& report,

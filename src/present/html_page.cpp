@@ -5,15 +5,11 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "html_parts.h"  // the files of src/present/html, by the build
 #include "present/chart.h"
 
 namespace vpr {
-namespace {
-
-// The files of src/present/html as string constants.
-#include "html_parts.inc"
-
-}  // namespace
+namespace {}  // namespace
 
 std::string script_json(const Json& json) {
   std::string text;
@@ -117,13 +113,13 @@ std::string folded_html(const std::string& title, const std::string& content) {
 std::string sections_page(const std::string& title, const std::string& summary,
                           const std::string& subtitle, const std::string& sections,
                           const Json& protocol, const Json& provenance) {
-  return fill_page(kComparisonPage, {{"title", html_escaped(title)},
-                                     {"summary", html_escaped(summary)},
-                                     {"subtitle", html_escaped(subtitle)},
-                                     {"style", palette_css() + std::string(kStyle)},
-                                     {"sections", sections},
-                                     {"protocol", list_html(protocol)},
-                                     {"provenance", list_html(provenance)}});
+  return fill_page(html::kComparisonPage, {{"title", html_escaped(title)},
+                                           {"summary", html_escaped(summary)},
+                                           {"subtitle", html_escaped(subtitle)},
+                                           {"style", palette_css() + std::string(html::kStyle)},
+                                           {"sections", sections},
+                                           {"protocol", list_html(protocol)},
+                                           {"provenance", list_html(provenance)}});
 }
 
 }  // namespace vpr

@@ -9,15 +9,13 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "evaluate/place_answers.h"
+#include "html_parts.h"  // the files of src/present/html, by the build
 #include "present/evaluation_page.h"
 #include "present/html_page.h"
 #include "present/report_tables.h"
 
 namespace vpr {
 namespace {
-
-// The files of src/present/html as string constants.
-#include "html_parts.inc"
 
 constexpr size_t kManyQuestions = 100;
 constexpr int kImageSide = 640;  // pixels
@@ -83,9 +81,9 @@ std::string page_of(Json data, const std::vector<Question>& questions,
       fmt::format("vpr-eval {} {}", data["noun"].get<std::string>(), evaluation.fingerprint);
   data["images"] = images_of(questions, path, evaluation.judgment.layout.scope, sources, monitor);
   data["questions"] = value_to_json(questions);
-  return fill_page(kQuestionsPage, {{"title", html_escaped(title_with_settings(report))},
-                                    {"style", palette_css() + std::string(kStyle)},
-                                    {"data", script_json(data)}});
+  return fill_page(html::kQuestionsPage, {{"title", html_escaped(title_with_settings(report))},
+                                          {"style", palette_css() + std::string(html::kStyle)},
+                                          {"data", script_json(data)}});
 }
 
 /// `count` of `all`, evenly spaced. Every prefix of the answer is also spread: positions are in the

@@ -79,7 +79,7 @@ bool is_recognized(const DescribedFrames& query, const Searched& train, const Mo
                    size_t most_pairs) {
   constexpr size_t kWindow = 20;
   constexpr size_t kShortestWindow = 4;
-  constexpr size_t kFewest = 10;  // one window in ten
+  constexpr size_t kOneIn = 10;  // windows
   const size_t length =
       std::min(kWindow, std::min(query.rows.size(), train.frames.rows.size()) / 2);
   if (length < kShortestWindow) return false;
@@ -101,7 +101,7 @@ bool is_recognized(const DescribedFrames& query, const Searched& train, const Mo
       recognized += margin && score.frame_value(*margin, length) >= least ? 1 : 0;
     }
   }
-  return recognized > 0 && kFewest * recognized >= windows;
+  return recognized > 0 && kOneIn * recognized >= windows;
 }
 
 // The mean distance of two frames; of every step-th frame if rows have to be computed for it.

@@ -17,8 +17,6 @@
 namespace vpr {
 namespace {
 
-/// A frame number is at most this times the number of lines.
-constexpr size_t kFramesPerLine = 1000;
 /// Positions that move less than this share of the translations do not move at all.
 constexpr double kStillShare = 0.01;
 /// Keys of GTSAM have a letter in the highest byte.

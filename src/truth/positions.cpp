@@ -28,9 +28,6 @@ constexpr double kSemiMajorAxis = 6378137;
 constexpr double kFlattening = 1 / 298.257223563;
 constexpr double kEccentricity2 = kFlattening * (2 - kFlattening);
 
-/// The number of frames is at most this times the number of lines, unless it is known.
-constexpr size_t kFramesPerLine = 1000;
-
 double read_degrees(const Rows& rows, std::string_view column, std::string_view what) {
   const auto value = rows.number(column);
   if (!value)

@@ -11,12 +11,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string kQuery = "vpr-query $db --dataset $dataset --c-l 10 ";
+const std::string kQueryWorld = "vpr-query $db --dataset $dataset --c-l 10 ";
 
 }  // namespace
 
 TEST_CASE("train, query and evaluate yield correct counts") {
-  const auto query = run_ok(kQuery + "-o r.json");
+  const auto query = run_ok(kQueryWorld + "-o r.json");
   // Similar corridors lower the automatic t_r.
   CHECK(query.err.starts_with("warning: one and two seem to show the same place"));
   const Json report = printed_json("vpr-eval r.json --dataset $dataset -o e.json --json");
@@ -27,7 +27,7 @@ TEST_CASE("train, query and evaluate yield correct counts") {
   CHECK(report["counts"]["distinct"].get<int>() >= 1);
   CHECK(report["best_match"]["rate"].get<double>() > 0.7);
   for (const std::string method : {"openable", "fastable-online"}) {
-    run(kQuery + ("-o " + method + ".json --method " + method + " --max-memory 1M"));
+    run(kQueryWorld + ("-o " + method + ".json --method " + method + " --max-memory 1M"));
     CHECK(npz_bytes(method + ".npz", "recognitions") == npz_bytes("r.npz", "recognitions"));
   }
 }
@@ -85,7 +85,7 @@ TEST_CASE("each subfolder is a training sequence with --train-folders") {
 }
 
 TEST_CASE("a saved matrix holds every distance and can be drawn") {
-  run_ok(kQuery + "-o r.json --save-matrix d.npy");
+  run_ok(kQueryWorld + "-o r.json --save-matrix d.npy");
   const Json result = file_json("r.json");
   const NpyArray matrix("d.npy");
   const auto values = matrix.values<int32_t>(2);
@@ -101,7 +101,7 @@ TEST_CASE("a saved matrix holds every distance and can be drawn") {
                    size_t(cells[3 * i + 1] == 0 ? 0 : second) + size_t(cells[3 * i + 2])] ==
             scores[i]);
   CHECK(scores.size() > 0);
-  run_ok(kQuery + "-o p.json --save-matrix d.png");
+  run_ok(kQueryWorld + "-o p.json --save-matrix d.png");
   CHECK(read_text("d.png").substr(1, 3) == "PNG");
 }
 
@@ -119,7 +119,7 @@ TEST_CASE("settings are read from a file, and flags take precedence") {
 
 TEST_CASE("a result can be used as its own settings") {
   for (const std::string settings : {"--t-r 0.6 --seed 7 ", "", "--score zscore --t-r -1 "}) {
-    run_ok(kQuery + settings + "-o r.json --force");
+    run_ok(kQueryWorld + settings + "-o r.json --force");
     const Json first = file_json("r.json");
     const Json second = printed_json("vpr-query $db --dataset $dataset --config r.json --json");
     CHECK(second["settings"] == first["settings"]);
@@ -129,7 +129,7 @@ TEST_CASE("a result can be used as its own settings") {
   std::string damaged = read_text("r.json");
   damaged.replace(damaged.find("\"c_l\": 10"), 9, "\"c_l\": 11");
   write_text("d.json", damaged);
-  CHECK(run(kQuery + "--config d.json").exit_code == 4);
+  CHECK(run(kQueryWorld + "--config d.json").exit_code == 4);
 }
 
 TEST_CASE("a world is rendered with the seed of a configuration file") {
@@ -145,7 +145,7 @@ TEST_CASE("a world is rendered with the seed of a configuration file") {
 }
 
 TEST_CASE("a database and a query are sufficient") {
-  const auto query = run_ok(kQuery);
+  const auto query = run_ok(kQueryWorld);
   CHECK(query.out.starts_with("Recognized "));
   CHECK(has(query.out, " = one "));  // a range of the sequence "one"
   CHECK(has(query.out, "\nSettings: FastABLE, c_l 10, t_r "));
@@ -180,7 +180,7 @@ TEST_CASE(
 TEST_CASE("if nothing or everything is recognized, no looser threshold is suggested") {
   for (const std::string strict :
        {"--t-r 0.01", "--score zscore --t-r -20", "--score zscore --decide margin --margin 60"}) {
-    const auto none = run_ok(kQuery + strict);
+    const auto none = run_ok(kQueryWorld + strict);
     INFO(none.out);
     CHECK(has(none.out, "With default settings (--method filter, margin 14), "));
     CHECK_FALSE(has(none.out, "--t-r "));
@@ -190,13 +190,13 @@ TEST_CASE("if nothing or everything is recognized, no looser threshold is sugges
   INFO(other.out);
   CHECK(has(other.out, "and the filter needs"));
   CHECK_FALSE(has(other.out, "use --method filter"));
-  const auto all = run(kQuery + "--t-r 1");
+  const auto all = run(kQueryWorld + "--t-r 1");
   CHECK(has(all.err, ": too many to tell places apart"));
   CHECK_FALSE(has(all.out, "vpr-query"));
 }
 
 TEST_CASE("without ground truth, a result has totals, charts and a map, but no metrics") {
-  run_ok(kQuery + "-o r.json");
+  run_ok(kQueryWorld + "-o r.json");
   const auto eval = [&](const std::string& more) { return run("vpr-eval r.json " + more); };
   const auto looked = ok(eval("--html page.html --query $back"));
   CHECK(looked.err.empty());
@@ -222,7 +222,7 @@ TEST_CASE("without ground truth, a result has totals, charts and a map, but no m
 }
 
 TEST_CASE("answers to places judge a result, and only this one") {
-  run_ok(kQuery + "--t-r 0.6 --t-r-scale relative -o r.json");
+  run_ok(kQueryWorld + "--t-r 0.6 --t-r-scale relative -o r.json");
   run_ok("vpr-query $db --dataset $dataset --c-l 5 --t-r 0.6 -o other.json");
   const Json place = printed_json("vpr-eval r.json --json")["clusters"][0];
   write_text("p.csv",
@@ -284,7 +284,7 @@ TEST_CASE("a result that replaces one of another method leaves no array of it") 
 }
 
 TEST_CASE("a map shows one or two results of the same query, as SVG and PNG") {
-  for (const std::string name : {"a", "b"}) run_ok(kQuery + "-o " + name + ".json");
+  for (const std::string name : {"a", "b"}) run_ok(kQueryWorld + "-o " + name + ".json");
   const auto eval = [&](const std::string& more) { return run("vpr-eval a.json " + more); };
   fs::copy(world().folder() / "walk", "walk", fs::copy_options::recursive);
   write_text("walk/back/poses.csv", "frame,x,y\n");

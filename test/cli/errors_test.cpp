@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 // Two short training sequences, a query and a database with c_l 5.
-void make_walks() {
+void make_short_walks() {
   write_walk("one", 8, 1);
   write_walk("two", 8, 9);
   write_walk("query", 8, 17);
@@ -26,12 +26,12 @@ void make_walks() {
   run_ok("vpr-train fastable --c-l 5 --train one --train two -o db.vprdb");
 }
 
-const std::string kTrain = "vpr-train fastable --c-l 5";
-const std::string kQuery = "vpr-query db.vprdb --query query -o r.json";
+const std::string kTrainShort = "vpr-train fastable --c-l 5";
+const std::string kQueryShort = "vpr-query db.vprdb --query query -o r.json";
 
 // The inputs of refused.txt.
 void make_inputs() {
-  make_walks();
+  make_short_walks();
   std::string poses;
   for (int i = 0; i < 40; ++i) poses += fmt::format("{} {} 0 0 0 0 0 1\n", 100 + i, i);
   for (const auto& [name, text] : std::map<std::string, std::string>{
@@ -81,7 +81,7 @@ void make_inputs() {
       "vpr-train descriptors --train db.npy --sequence a=0:28 --sequence b=28:60 -o vectors.vprdb");
   run_ok("vpr-train fastable --train $one -o one.vprdb");
   run_ok("vpr-query loops --query query --c-l 4 --gap 3 -o loops.json");
-  run_ok(kQuery + " --c-l 5");
+  run_ok(kQueryShort + " --c-l 5");
 }
 
 }  // namespace
@@ -103,24 +103,24 @@ TEST_CASE("mistakes are refused with their exit code and one sentence, and write
 }
 
 TEST_CASE("numbers may begin with a point or a plus, or have an exponent") {
-  start_with(make_walks);
-  run_ok(kQuery + " --c-l 5 --t-r .5");
-  run_ok(kQuery + " --c-l +5 --t-r 5e-1 --force");
+  start_with(make_short_walks);
+  run_ok(kQueryShort + " --c-l 5 --t-r .5");
+  run_ok(kQueryShort + " --c-l +5 --t-r 5e-1 --force");
 }
 
 TEST_CASE("an existing output is refused before any work, and replaced with --force") {
-  start_with(make_walks);
+  start_with(make_short_walks);
   write_text("r.json", "precious");
-  check_failure(kQuery, 2, "--force");
+  check_failure(kQueryShort, 2, "--force");
   CHECK(read_text("r.json") == "precious");
-  for (int i = 0; i < 2; ++i) run_ok(kQuery + " --c-l 5 --force");
+  for (int i = 0; i < 2; ++i) run_ok(kQueryShort + " --c-l 5 --force");
   // A folder with files of other programs is never replaced.
   fs::create_directory("extension");
   write_text("extension/manifest.json", R"({"manifest_version": 3})");
   fs::copy("db.vprdb", "mixed");
   write_text("mixed/notes.txt", "mine");
   for (const std::string name : {"two", "extension", "mixed"})
-    check_failure(kTrain + " --train one --force -o " + name, 2, "is not replaced");
+    check_failure(kTrainShort + " --train one --force -o " + name, 2, "is not replaced");
   fs::create_directory("recordings");
   write_text("recordings/dataset.json", "{}");
   write_walk("recordings/rec", 1, 1);
@@ -134,7 +134,7 @@ TEST_CASE("an existing output is refused before any work, and replaced with --fo
 
 TEST_CASE("a failure of stdout or stderr changes nothing else") {
   if (!fs::exists("/dev/full")) return;
-  start_with(make_walks);
+  start_with(make_short_walks);
   const auto shell = [](const std::string& command, const char* to = " > /dev/full 2> said") {
     const int status = std::system((program_path("").string() + command + to).c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
@@ -143,7 +143,7 @@ TEST_CASE("a failure of stdout or stderr changes nothing else") {
   for (const char* stderr_to : {" > said 2> /dev/full", " > said 2>&-"})
     CHECK(shell("vpr-train info missing", stderr_to) == 3);
   const auto query = [&](const std::string& flags) {
-    const int exit_code = shell(kQuery + " --c-l 2" + flags);
+    const int exit_code = shell(kQueryShort + " --c-l 2" + flags);
     CHECK(has(read_text("said"), "the output files are complete"));
     CHECK(fs::remove("r.json"));
     return exit_code;
@@ -153,7 +153,7 @@ TEST_CASE("a failure of stdout or stderr changes nothing else") {
 }
 
 TEST_CASE("names cannot control a terminal, and an error is a single line") {
-  start_with(make_walks);
+  start_with(make_short_walks);
   const std::string hostile = "a\x1b[31m\x07\nb";
   const auto check_plain = [](const RunOutcome& outcome) {
     CHECK(std::ranges::none_of(outcome.out + outcome.err,
@@ -162,7 +162,7 @@ TEST_CASE("names cannot control a terminal, and an error is a single line") {
   check_failure("vpr-train info " + hostile, 3, "a\\x1b[31m\\x07\\x0ab");
   check_failure("vpr-query db.vprdb --" + hostile, 2, "\\x1b");
   fs::copy("one", hostile);
-  const auto train = run_ok(kTrain + " --train " + hostile + " -o " + hostile + ".vprdb");
+  const auto train = run_ok(kTrainShort + " --train " + hostile + " -o " + hostile + ".vprdb");
   CHECK(has(train.out, "a\\x1b[31m\\x07\\x0ab"));
   check_plain(train);
   check_plain(run_ok("vpr-query " + hostile + ".vprdb --query " + hostile + " --c-l 2 --t-r 0.5"));
@@ -214,7 +214,7 @@ TEST_CASE("libraries print no messages about images") {
 TEST_CASE("frames above the size limit are refused, or accepted with a higher limit") {
   write_walk("big", 6, 0, 1200, 1000);
   write_text("c.json", R"({"max_megapixels": 1})");
-  const std::string train = kTrain + " --train big --force -o x.vprdb";
+  const std::string train = kTrainShort + " --train big --force -o x.vprdb";
   check_failure(train + " --max-megapixels 1", 2, "0.png: has 1200 x 1000 pixels");
   check_failure(train + " --max-megapixels 0", 2, "from 1 to 1073");
   check_failure(train + " --config c.json", 2, "--max-megapixels 2");

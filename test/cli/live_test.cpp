@@ -51,7 +51,7 @@ Words offline_lines(const std::string& query, const std::string& words, const Wo
   return lines;
 }
 
-RunOutcome query(const std::string& words, const std::string& environment = "") {
+RunOutcome query_live(const std::string& words, const std::string& environment = "") {
   return run("vpr-query $db --method filter --query " + words, environment);
 }
 
@@ -110,7 +110,7 @@ TEST_CASE("--method filter alone recognizes a route at its speed and at double s
   for (const std::string range : {"", "@::2"}) {
     INFO(range);
     const std::string path = "r" + std::to_string(range.size()) + ".json";
-    const Json json = printed_json(query(back + range + " -o " + path + " --json"));
+    const Json json = printed_json(query_live(back + range + " -o " + path + " --json"));
     CHECK(json["settings"]["margin"] == 14);
     CHECK(json["totals"]["recognitions"] > 0);
     CHECK(json["files"]["path"]["rows"] == json["query"]["frames"]);
@@ -126,8 +126,8 @@ TEST_CASE("--method filter alone recognizes a route at its speed and at double s
     const auto values = npz_array<double>("r0.npz", "path");
     CHECK(values[values.size() - 3] == Approx(1).epsilon(0.3));
     // The result's settings reproduce it, also with other threads and another SIMD target.
-    const auto again = query(back + " --config " + path + " --threads 3 --json",
-                             "VPR_SIMD=" + simd_targets().back());
+    const auto again = query_live(back + " --config " + path + " --threads 3 --json",
+                                  "VPR_SIMD=" + simd_targets().back());
     CHECK(printed_json(again)["clusters"] == json["clusters"]);
   }
 }

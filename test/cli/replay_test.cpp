@@ -14,14 +14,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string kQuery = "vpr-query $db --t-r 0.3 ";
+const std::string kReplay = "vpr-query $db --t-r 0.3 ";
 
 // The query "back" with single frames, so that results do not depend on neighboring frames.
 RunOutcome single(const std::string& output, const std::string& more = "") {
-  return run_ok(kQuery + "--query $back --c-l 1 -o " + output + " " + more);
+  return run_ok(kReplay + "--query $back --c-l 1 -o " + output + " " + more);
 }
 
-Json evaluate(const std::string& result) {
+Json evaluation_of(const std::string& result) {
   return printed_json("vpr-eval " + result + " --ground-truth $truth --json");
 }
 
@@ -37,10 +37,10 @@ std::string outcomes(const Json& report) { return report["outcomes"]["best"].get
 TEST_CASE(
     "a resampled query has the results of the query frame by frame, with the same ground truth") {
   single("plain.json");
-  const Json plain = evaluate("plain.json");
+  const Json plain = evaluation_of("plain.json");
   const std::string expected = outcomes(plain);
   single("thin.json", "--recorded-fps 30 --fps 10");
-  const Json thin = evaluate("thin.json");
+  const Json thin = evaluation_of("thin.json");
   std::string kept;
   for (size_t i = 0; i < expected.size(); i += 3) kept += expected[i];
   CHECK(outcomes(thin) == kept);
@@ -53,10 +53,10 @@ TEST_CASE(
   // Thinned, and then resampled.
   const auto both = single("both.json", "--recorded-fps 30 --fps 10 --speed reversed");
   CHECK(has(both.out, "back, resampled to 10 frames per second, at speed reversed"));
-  CHECK(outcomes(evaluate("both.json")) == std::string(kept.rbegin(), kept.rend()));
+  CHECK(outcomes(evaluation_of("both.json")) == std::string(kept.rbegin(), kept.rend()));
   // The recording's own rate selects all frames.
   single("same.json", "--recorded-fps 30 --fps 30");
-  CHECK(outcomes(evaluate("same.json")) == expected);
+  CHECK(outcomes(evaluation_of("same.json")) == expected);
   CHECK_FALSE(file_json("same.json")["query"].contains("resampled"));
 }
 
@@ -72,7 +72,7 @@ TEST_CASE("names, lists and constant rates select the same frames, live or not")
   }
   write_text("times.csv", times);
   const auto at_four = [&](const std::string& name, const std::string& more) {
-    run_ok(kQuery + "--c-l 2 --fps 4 -o " + name + ".json " + more);
+    run_ok(kReplay + "--c-l 2 --fps 4 -o " + name + ".json " + more);
     return bytes_of(name);
   };
   const std::string even = at_four("even", "--query $back --recorded-fps 10");
@@ -128,10 +128,10 @@ TEST_CASE("two different rates cause a warning, unless the method estimates them
 
 TEST_CASE("a query at a simulated speed has the results of the recorded frames") {
   single("plain.json");
-  const std::string expected = outcomes(evaluate("plain.json"));
+  const std::string expected = outcomes(evaluation_of("plain.json"));
   const auto varying = single("v.json", "--speed varying --seed 7");
   CHECK(has(varying.out, "back, at speed varying, seed 7"));
-  const Json report = evaluate("v.json");
+  const Json report = evaluation_of("v.json");
   CHECK(report["speed"] == Json{{"name", "varying"}, {"seed", 7}, {"frames", expected.size()}});
   CHECK(has(report["protocol"]["ground_truth"], "query at speed "));
   std::string replayed;
@@ -161,7 +161,7 @@ TEST_CASE(
       "vpr-tune fastable $db --dataset $dataset --c-l 1,4 --t-r 0.2,0.3 --speed varying --json");
   CHECK(sweep["queries"][0]["speed"]["name"] == "varying");
   single("v.json", "--speed varying");
-  const Json counts = evaluate("v.json");
+  const Json counts = evaluation_of("v.json");
   CHECK(sweep["cells"][1]["counts"] == counts["counts"]);
   CHECK(sweep["cells"][1]["best_match"]["correct"] == counts["best_match"]["correct"]);
 }
@@ -186,7 +186,7 @@ TEST_CASE("images and maps of a resampled query show the frames of the query") {
 
 TEST_CASE("a single frame is selected at any rate and speed") {
   for (const std::string flags : {"--fps 4 --recorded-fps 30", "--speed stops"}) {
-    run_ok(kQuery + "--c-l 1 --force -o r.json --query $back@0:1 " + flags);
+    run_ok(kReplay + "--c-l 1 --force -o r.json --query $back@0:1 " + flags);
     CHECK(file_json("r.json")["query"]["frames"] == 1);
   }
 }

@@ -10,7 +10,7 @@ using namespace vpr::test;
 namespace {
 
 /// Writes a result of the world's query.
-void query(const std::string& name) {
+void query_world(const std::string& name) {
   run_ok("vpr-query $db --dataset $dataset --t-r 0.3 --quiet --c-l 1 -o " + name);
 }
 
@@ -19,7 +19,7 @@ const std::string kEval = "vpr-eval r.json --dataset $dataset ";
 }  // namespace
 
 TEST_CASE("a baseline is written, met, missed and updated") {
-  query("r.json");
+  query_world("r.json");
   check_failure(kEval + "--expect baseline.json", 3, "Create it from this report with --update");
   run_ok(kEval + "--expect baseline.json --update");
   const auto met = run_ok(kEval + "--expect baseline.json");
@@ -63,7 +63,7 @@ TEST_CASE(
   CHECK(run("vpr-eval r.json --ground-truth aligned --ground-truth-train poses.tum --query-times "
             "few.txt --save-trajectory g.txt")
             .exit_code != 0);
-  query("of_dataset.json");
+  query_world("of_dataset.json");
   run_ok("vpr-eval of_dataset.json --dataset $dataset --save-trajectory p.txt");
   CHECK(lines_of(read_text("p.txt")).size() > 5);
 }

@@ -130,7 +130,7 @@ TEST_CASE("evaluations can be ordered by either confidence, and by margin only i
 namespace {
 
 // Ten query frames and ten training frames, c_l 3: windows 0 to 7, anchors 2 to 9.
-Result example() {
+Result example_result() {
   Result result = test::make_result(10, 3, 10);
   result.best.resize(8);
   return result;
@@ -143,7 +143,7 @@ GroundTruth aligned(int tolerance) {
 }  // namespace
 
 TEST_CASE("windows are evaluated at their anchors") {
-  Result result = example();
+  Result result = example_result();
   // Only anchors 5 and 5 are labeled the same: windows 3 and 3.
   GroundTruth truth;
   truth.pairs.resize(10);
@@ -155,7 +155,7 @@ TEST_CASE("windows are evaluated at their anchors") {
 }
 
 TEST_CASE("places are evaluated at their mean, and the correct ones are distinct") {
-  Result result = example();
+  Result result = example_result();
   result.clusters = {{{0, 3, 0, 6, 3, 0, 6, 5, 9}, {0, 1, 1, 1, 7, 7, 7, 1, 9}}, {}};
   const Counts counts = count_recognitions(result, aligned(0));
   CHECK(counts.clusters == LabelCounts{1, 1, 0});
@@ -163,7 +163,7 @@ TEST_CASE("places are evaluated at their mean, and the correct ones are distinct
 }
 
 TEST_CASE("recognitions by place have the verdict on their place") {
-  Result result = example();
+  Result result = example_result();
   // Clusters around (2, 2), (6, 6) and at (0, 7); the pairs (2, 2) and (5, 5) are correct one by
   // one, and (6, 6) is ignored.
   GroundTruth truth;
@@ -183,7 +183,7 @@ TEST_CASE("recognitions by place have the verdict on their place") {
 }
 
 TEST_CASE("a place that is correct at its mean counts its incorrect recognitions") {
-  Result result = example();
+  Result result = example_result();
   // One cluster around (3, 3), in which only the diagonal is correct; one separate incorrect
   // recognition.
   result.recognitions = {{2, 0, 2, 0, 5}, {2, 0, 4, 0, 5}, {3, 0, 3, 0, 5},
@@ -202,7 +202,7 @@ TEST_CASE("a place that is correct at its mean counts its incorrect recognitions
 }
 
 TEST_CASE("best matches count over all frames that have a match") {
-  Result result = example();
+  Result result = example_result();
   GroundTruth truth;
   truth.pairs.resize(10);
   for (uint32_t frame = 1; frame <= 7; ++frame)
@@ -221,7 +221,7 @@ TEST_CASE("best matches count over all frames that have a match") {
 }
 
 TEST_CASE("a place before the first training anchor counts as not recognized") {
-  Result result = example();
+  Result result = example_result();
   GroundTruth truth;
   truth.pairs.resize(10);
   truth.pairs[2] = {{0, 0, PlaceLabel::same}};  // no window ends before frame 2
@@ -231,7 +231,7 @@ TEST_CASE("a place before the first training anchor counts as not recognized") {
 }
 
 TEST_CASE("a stop counts once if counts are per keyframe") {
-  Result result = example();
+  Result result = example_result();
   CHECK_FALSE(count_by_keyframe(result, aligned(0), {}));
   result.keyframes = ResultKeyframes{{0, 1, 2, 3, 7}, {{0, 1, 2, 3, 4, 8}}};
   // Query keyframes of anchors: 2; 3 to 6; 7 to 9. Training keyframes: 2; 3; 4 to 7; 8 and 9.
@@ -254,7 +254,7 @@ TEST_CASE("a stop counts once if counts are per keyframe") {
 }
 
 TEST_CASE("recall of keyframes counts a stop once, by its most confident frame") {
-  Result result = example();
+  Result result = example_result();
   result.keyframes = ResultKeyframes{{0, 1, 2, 3, 7}, {{0, 1, 2, 3, 4, 8}}};
   for (uint32_t window = 0; window < 8; ++window)
     result.best[window] = Match{window, 0, window, 0, 5};

@@ -15,8 +15,6 @@ using namespace vpr;
 
 namespace {
 
-constexpr uint32_t kUnit = kScoreUnit;
-
 // The distance of a keyframe to any place; 0 if it is unknown.
 auto at(uint32_t distance) {
   return [distance](size_t) { return distance; };
@@ -64,10 +62,10 @@ struct Places {
     state.earlier.front() = state.values;
     for (const CellStretch& run : state.cells.runs)
       std::fill_n(state.values.begin() + static_cast<ptrdiff_t>(run.first), run.count,
-                  kNewPathValue + 2 * kUnit);
+                  kNewPathValue + 2 * kScoreUnit);
   }
 
-  void see(size_t sequence, size_t place, size_t query_frame, uint32_t evidence = 24 * kUnit,
+  void see(size_t sequence, size_t place, size_t query_frame, uint32_t evidence = 24 * kScoreUnit,
            uint32_t distance = 0) {
     advance();
     state.values[cell(sequence, place)] = kNewPathValue - evidence;
@@ -86,7 +84,7 @@ TEST_CASE("a path has a margin from its 16th keyframe on, for as long as it cont
   for (size_t view = 0; view < 29; ++view) {
     places.see(0, view, view);
     INFO(view);
-    CHECK(places.track.margin == (view >= 15 ? 24 * kUnit : 0));
+    CHECK(places.track.margin == (view >= 15 ? 24 * kScoreUnit : 0));
     CHECK(places.open() == std::min<size_t>(view + 1, 8));
   }
   places.see(0, 39, 29);  // a jump of 11 places is another path, 10 would not be
@@ -99,7 +97,7 @@ TEST_CASE("a place with less evidence than a new path has no margin") {
   Places places;
   for (size_t view = 0; view < 20; ++view) places.see(0, view, view);
   places.advance();
-  places.state.values[places.cell(0, 20)] = kNewPathValue + kUnit;
+  places.state.values[places.cell(0, 20)] = kNewPathValue + kScoreUnit;
   follow_keyframe(places.track, places.state, 20, at(0));
   CHECK(places.length() == 21);
   CHECK(places.track.margin == 0);
@@ -111,17 +109,17 @@ TEST_CASE("the farther a path, the more keyframes must advance, and the smaller 
     size_t place = 5;
     for (size_t view = 0; view < 16; ++view) {
       if (view > 0 && view <= advancing) ++place;
-      places.see(0, place, view, 10 * kUnit, distance);
+      places.see(0, place, view, 10 * kScoreUnit, distance);
     }
     return places.track.margin;
   };
   CHECK(margin_at(3, 50) == 0);
-  CHECK(margin_at(4, 50) == 10 * kUnit);
+  CHECK(margin_at(4, 50) == 10 * kScoreUnit);
   CHECK(margin_at(7, 66) == 0);
-  CHECK(margin_at(8, 65) == 8 * kUnit);
+  CHECK(margin_at(8, 65) == 8 * kScoreUnit);
   CHECK(margin_at(11, 80) == 0);
-  CHECK(margin_at(12, 80) == 6 * kUnit);
-  CHECK(margin_at(15, 105) == 6 * kUnit);
+  CHECK(margin_at(12, 80) == 6 * kScoreUnit);
+  CHECK(margin_at(15, 105) == 6 * kScoreUnit);
   CHECK(margin_at(15, 106) == 0);
 }
 
@@ -131,8 +129,8 @@ TEST_CASE("the same places in the other direction compete, however near, and hav
   reversed.follows_decoys = true;
   for (size_t view = 0; view < 20; ++view) {
     places.advance();
-    places.state.values[places.cell(0, 10 + view)] = kNewPathValue - 9 * kUnit;
-    places.state.values[places.decoy(0, 29 - view)] = kNewPathValue - 24 * kUnit;
+    places.state.values[places.cell(0, 10 + view)] = kNewPathValue - 9 * kScoreUnit;
+    places.state.values[places.decoy(0, 29 - view)] = kNewPathValue - 24 * kScoreUnit;
     for (PathTrack* track : {&places.track, &reversed})
       follow_keyframe(*track, places.state, view, at(0));
   }
@@ -140,7 +138,7 @@ TEST_CASE("the same places in the other direction compete, however near, and hav
   CHECK(places.track.margin == 0);
   CHECK(reversed.recent.back().length == 20);
   CHECK(reversed.recent.back().cell == places.decoy(0, 10));
-  CHECK(reversed.margin == 15 * kUnit);
+  CHECK(reversed.margin == 15 * kScoreUnit);
 }
 
 TEST_CASE("places are traced back from the last keyframe, by steps, over eight keyframes") {
@@ -148,8 +146,8 @@ TEST_CASE("places are traced back from the last keyframe, by steps, over eight k
   for (size_t view = 0; view < 10; ++view) places.see(0, view, view);
   // Keyframe 10 has two likely places, and the better one is not on the way to the next keyframe.
   places.advance();
-  places.state.values[places.cell(0, 18)] = kNewPathValue - 25 * kUnit;
-  places.state.values[places.cell(0, 10)] = kNewPathValue - 24 * kUnit;
+  places.state.values[places.cell(0, 18)] = kNewPathValue - 25 * kScoreUnit;
+  places.state.values[places.cell(0, 10)] = kNewPathValue - 24 * kScoreUnit;
   follow_keyframe(places.track, places.state, 10, at(0));
   CHECK(places.track.recent.back().cell == places.cell(0, 18));
   for (size_t view = 11; view < 18; ++view) {
@@ -158,7 +156,7 @@ TEST_CASE("places are traced back from the last keyframe, by steps, over eight k
         *(places.track.recent.rbegin() + static_cast<ptrdiff_t>(view - 10));
     CHECK(traced.frame == 10);
     CHECK(traced.cell == places.cell(0, 10));
-    CHECK(traced.value == kNewPathValue - 24 * kUnit);
+    CHECK(traced.value == kNewPathValue - 24 * kScoreUnit);
   }
 }
 
@@ -168,8 +166,8 @@ TEST_CASE("a path that is not established resumes after another one led for a wh
     for (size_t view = 0; view < seen; ++view) places.see(0, view, view, evidence);
     for (size_t view = seen; view < seen + keyframes; ++view) {
       places.advance();
-      places.state.values[places.cell(0, view)] = kNewPathValue - 2 * kUnit;
-      places.state.values[places.cell(1, view)] = kNewPathValue - 3 * kUnit;
+      places.state.values[places.cell(0, view)] = kNewPathValue - 2 * kScoreUnit;
+      places.state.values[places.cell(1, view)] = kNewPathValue - 3 * kScoreUnit;
       follow_keyframe(places.track, places.state, view, at(0));
       CHECK(places.length() == view - seen + 1);
       CHECK(places.number() == 2);
@@ -178,25 +176,25 @@ TEST_CASE("a path that is not established resumes after another one led for a wh
       places.see(0, view, view);
     return places;
   };
-  const Places resumed = interrupt(5, 7, 3 * kUnit);
+  const Places resumed = interrupt(5, 7, 3 * kScoreUnit);
   CHECK(resumed.number() == 1);
   CHECK(resumed.length() == 28);
   CHECK(resumed.track.first_frame == 0);
   CHECK(resumed.track.recent[8].cell == resumed.cell(0, 8));
-  const Places too_late = interrupt(5, 8, 3 * kUnit);
+  const Places too_late = interrupt(5, 8, 3 * kScoreUnit);
   CHECK(too_late.number() == 3);
   CHECK(too_late.length() == 16);
   CHECK(too_late.track.first_frame == 13);
   // A margin of 5 deviations at the 16th keyframe establishes a path.
-  CHECK(interrupt(16, 1, 5 * kUnit - 1).number() == 1);
-  CHECK(interrupt(16, 1, 5 * kUnit).number() == 3);
+  CHECK(interrupt(16, 1, 5 * kScoreUnit - 1).number() == 1);
+  CHECK(interrupt(16, 1, 5 * kScoreUnit).number() == 3);
 }
 
 TEST_CASE("a path recognizes 65 keyframes until it has been established for 25, then 25") {
   Places places;
   for (size_t view = 0; view < 120; ++view) {
     const size_t place = std::min<size_t>(view / 3, 39);
-    places.see(0, place, view, view < 80 ? 4 * kUnit : 24 * kUnit);
+    places.see(0, place, view, view < 80 ? 4 * kScoreUnit : 24 * kScoreUnit);
     INFO(view);
     const size_t kept = view < 80 + 24 ? 64 : 24;
     CHECK(places.track.first_frame == view - std::min(view, kept));
@@ -233,12 +231,13 @@ TEST_CASE("paths equal the reference implementation") {
       places.advance();
       for (const CellStretch& run : places.state.cells.runs)
         for (size_t cell = run.first; cell < run.first + run.count; ++cell)
-          places.state.values[cell] =
-              kNewPathValue + static_cast<uint32_t>(uniform_below(engine, 6)) * kUnit - 2 * kUnit;
+          places.state.values[cell] = kNewPathValue +
+                                      static_cast<uint32_t>(uniform_below(engine, 6)) * kScoreUnit -
+                                      2 * kScoreUnit;
       const size_t wrong = uniform_below(engine, 4);
-      places.state.values[followed(sequence, place)] = kNewPathValue - 9 * kUnit;
+      places.state.values[followed(sequence, place)] = kNewPathValue - 9 * kScoreUnit;
       places.state.values[followed(sequence, std::min<size_t>(place + wrong, 29))] =
-          kNewPathValue - (9 + static_cast<uint32_t>(uniform_below(engine, 9))) * kUnit;
+          kNewPathValue - (9 + static_cast<uint32_t>(uniform_below(engine, 9))) * kScoreUnit;
       distances.push_back(static_cast<uint32_t>(uniform_below(engine, 140)));
       follow_keyframe(places.track, places.state, view, at(distances.back()));
       values.push_back(places.state.values);
@@ -272,22 +271,22 @@ TEST_CASE("passes of one place do not compete, except for decoys, and the path s
     if (has_passes) places.add_second_pass();
     for (size_t view = 0; view < 20; ++view) {
       places.advance();
-      places.state.values[places.cell(0, view)] = kNewPathValue - 20 * kUnit;
+      places.state.values[places.cell(0, view)] = kNewPathValue - 20 * kScoreUnit;
       places.state.values[places.cell(0, 40 + view)] =
-          kNewPathValue - (view < 17 ? 19 * kUnit : evidence);
-      places.state.values[places.decoy(0, 40 + view)] = kNewPathValue - 12 * kUnit;
+          kNewPathValue - (view < 17 ? 19 * kScoreUnit : evidence);
+      places.state.values[places.decoy(0, 40 + view)] = kNewPathValue - 12 * kScoreUnit;
       follow_keyframe(places.track, places.state, view, at(0));
     }
     return places;
   };
-  CHECK(follow(25 * kUnit, false).track.margin == 0);  // of a new path
-  const Places same = follow(25 * kUnit, true);
+  CHECK(follow(25 * kScoreUnit, false).track.margin == 0);  // of a new path
+  const Places same = follow(25 * kScoreUnit, true);
   CHECK(same.track.recent.back().cell == same.cell(0, 19));
-  CHECK(same.track.margin == 8 * kUnit);
+  CHECK(same.track.margin == 8 * kScoreUnit);
   CHECK(same.number() == 1);
-  const Places other = follow(25 * kUnit + 1, true);
+  const Places other = follow(25 * kScoreUnit + 1, true);
   CHECK(other.track.recent.back().cell == other.cell(0, 59));
-  CHECK(other.track.margin == 13 * kUnit + 1);  // its own decoy
+  CHECK(other.track.margin == 13 * kScoreUnit + 1);  // its own decoy
   CHECK(other.number() == 2);
   CHECK(other.length() == 20);
   CHECK(*recent_rate(other.track, other.state.cells) == 2);  // 9 keyframes, traced back
@@ -299,37 +298,37 @@ TEST_CASE("other passes of a place end 20 keyframes away, its own one 10 keyfram
     places.add_second_pass();
     for (size_t view = 0; view < 16; ++view) {
       places.advance();
-      places.state.values[places.cell(0, best + view - 15)] = kNewPathValue - 24 * kUnit;
-      places.state.values[places.cell(0, place)] = kNewPathValue - 14 * kUnit;
+      places.state.values[places.cell(0, best + view - 15)] = kNewPathValue - 24 * kScoreUnit;
+      places.state.values[places.cell(0, place)] = kNewPathValue - 14 * kScoreUnit;
       follow_keyframe(places.track, places.state, view, at(0));
     }
     return places.track.margin;
   };
-  CHECK(margin_with(60, 0) == 24 * kUnit);
-  CHECK(margin_with(61, 0) == 10 * kUnit);
-  CHECK(margin_with(20, 79) == 24 * kUnit);
-  CHECK(margin_with(18, 79) == 10 * kUnit);
-  CHECK(margin_with(60, 50) == 24 * kUnit);
-  CHECK(margin_with(60, 49) == 10 * kUnit);
+  CHECK(margin_with(60, 0) == 24 * kScoreUnit);
+  CHECK(margin_with(61, 0) == 10 * kScoreUnit);
+  CHECK(margin_with(20, 79) == 24 * kScoreUnit);
+  CHECK(margin_with(18, 79) == 10 * kScoreUnit);
+  CHECK(margin_with(60, 50) == 24 * kScoreUnit);
+  CHECK(margin_with(60, 49) == 10 * kScoreUnit);
 }
 
 TEST_CASE("places near the best one, or of an overlapping sequence, are in the exclusion zone") {
   Places places;
   const auto margin_with = [&](size_t sequence, size_t place) {
-    for (size_t view = 0; view < 20; ++view) places.see(0, view, view, 9 * kUnit);
+    for (size_t view = 0; view < 20; ++view) places.see(0, view, view, 9 * kScoreUnit);
     places.advance();
-    places.state.values[places.cell(0, 20)] = kNewPathValue - 24 * kUnit;
-    places.state.values[places.cell(sequence, place)] = kNewPathValue - 14 * kUnit;
+    places.state.values[places.cell(0, 20)] = kNewPathValue - 24 * kScoreUnit;
+    places.state.values[places.cell(sequence, place)] = kNewPathValue - 14 * kScoreUnit;
     follow_keyframe(places.track, places.state, 20, at(0));
     return places.track.margin;
   };
-  CHECK(margin_with(0, 10) == 24 * kUnit);
-  CHECK(margin_with(0, 9) == 10 * kUnit);
-  CHECK(margin_with(0, 30) == 24 * kUnit);
-  CHECK(margin_with(0, 31) == 10 * kUnit);
-  CHECK(margin_with(1, 3) == 10 * kUnit);
+  CHECK(margin_with(0, 10) == 24 * kScoreUnit);
+  CHECK(margin_with(0, 9) == 10 * kScoreUnit);
+  CHECK(margin_with(0, 30) == 24 * kScoreUnit);
+  CHECK(margin_with(0, 31) == 10 * kScoreUnit);
+  CHECK(margin_with(1, 3) == 10 * kScoreUnit);
   places.track.overlapping = {{0, 1}, {1, 0}};
-  CHECK(margin_with(1, 3) == 24 * kUnit);
+  CHECK(margin_with(1, 3) == 24 * kScoreUnit);
 }
 
 TEST_CASE("within a keyframe, the position advances at the rate, up to its end") {

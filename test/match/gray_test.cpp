@@ -26,7 +26,7 @@ Vectors walk(size_t count, size_t pixels, uint64_t seed) {
   return pictures;
 }
 
-uint32_t distance(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+uint32_t gray_distance(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
   CHECK(distance_of(ElementType::gray_levels).pair(a, b) ==
         reference_distance(ElementType::gray_levels, a, b));
   CHECK(distance_of(ElementType::gray_levels).pair(a, b) ==
@@ -37,14 +37,14 @@ uint32_t distance(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) 
 }  // namespace
 
 TEST_CASE("distances of images equal values computed by hand") {
-  CHECK(distance({7}, {7}) == 0);
-  CHECK(distance({0, 0}, {255, 255}) == 65280);
-  CHECK(distance({10, 20}, {13, 19}) == 512);    // a mean of 2
-  CHECK(distance({1, 0, 0}, {0, 0, 0}) == 85);   // 85.33
-  CHECK(distance({2, 0, 0}, {0, 0, 0}) == 171);  // 170.67
+  CHECK(gray_distance({7}, {7}) == 0);
+  CHECK(gray_distance({0, 0}, {255, 255}) == 65280);
+  CHECK(gray_distance({10, 20}, {13, 19}) == 512);    // a mean of 2
+  CHECK(gray_distance({1, 0, 0}, {0, 0, 0}) == 85);   // 85.33
+  CHECK(gray_distance({2, 0, 0}, {0, 0, 0}) == 171);  // 170.67
   std::vector<uint8_t> one(512, 0);
   one[0] = 1;
-  CHECK(distance(one, std::vector<uint8_t>(512, 0)) == 1);  // a tie, rounded up
+  CHECK(gray_distance(one, std::vector<uint8_t>(512, 0)) == 1);  // a tie, rounded up
 }
 
 TEST_CASE("distances of images equal the reference implementation, on every SIMD target") {

@@ -36,8 +36,7 @@ Cells reference_cells(const Example& example, size_t length) {
   return cells;
 }
 
-Cells by_method(const Example& example, const SequenceMethod& method, size_t length,
-                size_t memory) {
+Cells found_by(const Example& example, const SequenceMethod& method, size_t length, size_t memory) {
   const std::vector<DescribedFrames> spans = example.spans();
   return test::cells_of(frame_distances(spans, {example.query, example.query_unreadable}),
                         test::by_method(method, length, memory));
@@ -57,7 +56,7 @@ void check_all_methods(const Example& example, size_t length) {
   for (const SequenceMethod& method : exact_methods()) {
     for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
       INFO(method.name << ", " << simd_target() << ", c_l " << length << ", memory " << memory);
-      REQUIRE(by_method(example, method, length, memory) == expected);
+      REQUIRE(found_by(example, method, length, memory) == expected);
     }
   }
 }
@@ -119,7 +118,7 @@ TEST_CASE("sets larger than a chunk, a strip and a tile have the same cells, for
       const ThreadLimit limit(threads);
       for (const SequenceMethod& method : exact_methods())
         for (const size_t memory : {size_t{1} << 30, size_t{0}})
-          REQUIRE(by_method(example, method, length, memory) == expected);
+          REQUIRE(found_by(example, method, length, memory) == expected);
     }
   }
 }

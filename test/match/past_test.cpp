@@ -56,7 +56,7 @@ bool is_broken(const Walk& walk, size_t first, size_t length) {
 }
 
 // All pairs of windows in which the earlier one ends in the past of the later one.
-Cells reference_cells(const Walk& walk, size_t length) {
+Cells reference_past_cells(const Walk& walk, size_t length) {
   Cells cells;
   for (size_t j = 0; j + length <= walk.codes.size(); ++j)
     for (size_t i = 0; i + length <= walk.codes.size(); ++i)
@@ -73,7 +73,7 @@ FrameDistances distances_of(const Walk& walk) {
 }
 
 void check_methods(const Walk& walk, size_t length) {
-  const Cells expected = reference_cells(walk, length);
+  const Cells expected = reference_past_cells(walk, length);
   for (const SequenceMethod& method : exact_methods()) {
     for (const size_t memory : {size_t{1} << 30, size_t{0}}) {
       INFO(method.name << ", " << walk.codes.size() << " frames, c_l " << length << ", memory "
@@ -83,15 +83,15 @@ void check_methods(const Walk& walk, size_t length) {
   }
 }
 
-Cells scores_of(const Walk& walk, size_t length, const char* method = "fastable") {
+Cells past_scores(const Walk& walk, size_t length, const char* method = "fastable") {
   return cells_of(past_zscores(distances_of(walk)),
                   by_method(find_sequence_method(method), length));
 }
 
 // The largest difference between fast and reference scores, in tolerances; requires all cells.
 double worst_score(const Walk& walk, size_t length) {
-  const Cells fast = scores_of(walk, length);
-  const Cells raw = reference_cells(walk, length);
+  const Cells fast = past_scores(walk, length);
+  const Cells raw = reference_past_cells(walk, length);
   REQUIRE(fast.size() == raw.size());
   const ReferencePast shared = reference_past(walk.span(), walk.past, {});
   std::vector<std::vector<double>> columns;
@@ -140,7 +140,7 @@ TEST_CASE("windows of two frames of a sequence of five, computed by hand") {
   // The window that ends at frame 3 matches the one that ends at 1; the last one also matches the
   // one that ends at 2.
   const Cells expected = {{{2, 0, 0}, 2 + 2}, {{3, 0, 0}, 3 + 1}, {{3, 0, 1}, 2 + 2}};
-  CHECK(reference_cells(walk, 2) == expected);
+  CHECK(reference_past_cells(walk, 2) == expected);
   check_methods(walk, 2);
 }
 
@@ -173,13 +173,13 @@ TEST_CASE("gaps in time are measured between the last frames of windows") {
 TEST_CASE(
     "sequences larger than a chunk, a strip and a tile have the same cells, for any threads") {
   const Walk walk = make_walk(2300, {{}, 140}, 5);
-  const Cells expected = reference_cells(walk, 3);
-  const Cells scores = scores_of(walk, 3);
+  const Cells expected = reference_past_cells(walk, 3);
+  const Cells scores = past_scores(walk, 3);
   for (const size_t threads : {1, 7}) {
     const ThreadLimit limit(threads);
     for (const char* method : {"fastable", "fastable-online"}) {
       REQUIRE(cells_of(distances_of(walk), by_method(find_sequence_method(method), 3)) == expected);
-      REQUIRE(scores_of(walk, 3, method) == scores);
+      REQUIRE(past_scores(walk, 3, method) == scores);
     }
   }
 }
@@ -188,7 +188,7 @@ TEST_CASE("sequences with one frame, or without permitted matches, have no cell"
   for (const auto& [frames, gap] : {std::pair<size_t, size_t>{1, 1}, {1, 0}, {5, 5}, {5, 900}}) {
     const Walk walk = make_walk(frames, {{}, gap}, 3);
     check_methods(walk, 1);
-    CHECK(scores_of(walk, 1).empty());
+    CHECK(past_scores(walk, 1).empty());
   }
 }
 
@@ -200,23 +200,23 @@ TEST_CASE("causal z-scores equal the reference implementation") {
 
 TEST_CASE("all targets yield the same causal z-scores") {
   const Walk walk = make_walk(200, {{}, 9}, 4);
-  const Cells expected = scores_of(walk, 5);
+  const Cells expected = past_scores(walk, 5);
   for (const std::string& target : simd_targets()) {
     const test::ChosenTarget chosen(target);
-    CHECK(scores_of(walk, 5) == expected);
+    CHECK(past_scores(walk, 5) == expected);
   }
 }
 
 TEST_CASE("a shorter sequence has the same scores up to its end") {
   const Walk walk = make_walk(160, {{}, 15}, 6);
-  const Cells whole = scores_of(walk, 4);
+  const Cells whole = past_scores(walk, 4);
   for (const size_t frames : {20, 81, 159}) {
     Walk part = walk;
     part.codes.resize(frames);
     part.past.resize(frames);
     Cells expected = whole;
     std::erase_if(expected, [&](const auto& cell) { return std::get<0>(cell.first) + 4 > frames; });
-    CHECK(scores_of(part, 4) == expected);
+    CHECK(past_scores(part, 4) == expected);
   }
 }
 
@@ -230,5 +230,5 @@ TEST_CASE("causal z-scores of three frames equal values computed by hand") {
   // 20000) / 23, so z is 1.6011 and -1.5022.
   const Cells expected = {
       {{1, 0, 0}, kScoreBias}, {{2, 0, 0}, kScoreBias + 1640}, {{2, 0, 1}, kScoreBias - 1538}};
-  CHECK(scores_of(walk, 1) == expected);
+  CHECK(past_scores(walk, 1) == expected);
 }

@@ -18,7 +18,7 @@ void append(Vectors& points, const std::vector<int16_t>& row) {
 }
 
 // A sequence: every point is near the previous one, none farther than 30000 from the origin.
-Vectors walk(size_t count, size_t length, uint64_t seed) {
+Vectors point_walk(size_t count, size_t length, uint64_t seed) {
   RandomEngine engine(seed);
   Vectors points{{ElementType::points16, length}, {}};
   const int most = static_cast<int>(30000 / std::sqrt(static_cast<double>(length)));
@@ -36,7 +36,7 @@ Vectors walk(size_t count, size_t length, uint64_t seed) {
   return points;
 }
 
-uint32_t distance(const std::vector<int16_t>& a, const std::vector<int16_t>& b) {
+uint32_t point_distance(const std::vector<int16_t>& a, const std::vector<int16_t>& b) {
   Vectors points{{ElementType::points16, a.size()}, {}};
   append(points, a);
   append(points, b);
@@ -51,18 +51,18 @@ uint32_t distance(const std::vector<int16_t>& a, const std::vector<int16_t>& b) 
 }  // namespace
 
 TEST_CASE("distances of points equal values computed by hand") {
-  CHECK(distance({3, 4}, {0, 0}) == 5);
-  CHECK(distance({1, 1}, {0, 0}) == 1);        // 1.41
-  CHECK(distance({1, 1, 1}, {0, 0, 0}) == 2);  // 1.73
-  CHECK(distance({-7, 2}, {-7, 2}) == 0);
-  CHECK(distance({32767, 0}, {-32767, 0}) == 65534);
+  CHECK(point_distance({3, 4}, {0, 0}) == 5);
+  CHECK(point_distance({1, 1}, {0, 0}) == 1);        // 1.41
+  CHECK(point_distance({1, 1, 1}, {0, 0, 0}) == 2);  // 1.73
+  CHECK(point_distance({-7, 2}, {-7, 2}) == 0);
+  CHECK(point_distance({32767, 0}, {-32767, 0}) == 65534);
 }
 
 TEST_CASE("distances of points equal the reference implementation, on every SIMD target") {
   for (const size_t length : {1, 31, 32, 33, 200, 4096}) {
-    const Vectors one = walk(77, length, 1);
-    const Vectors two = walk(9, length, 2);
-    const Vectors query = walk(6, length, 3);
+    const Vectors one = point_walk(77, length, 1);
+    const Vectors two = point_walk(9, length, 2);
+    const Vectors query = point_walk(6, length, 3);
     const std::vector<size_t> gap = {3};
     const std::vector<DescribedFrames> train = {one.span(gap), two.span()};
     test::check_distances(train, query.span(), 65534);
@@ -78,7 +78,7 @@ TEST_CASE("a point that is too long for exact products is refused") {
 }
 
 TEST_CASE("z-scores of points equal the reference implementation") {
-  const Vectors train = walk(120, 40, 5);
-  const Vectors query = walk(30, 40, 6);
+  const Vectors train = point_walk(120, 40, 5);
+  const Vectors query = point_walk(30, 40, 6);
   test::check_zscores(train.span(), query.span(), 1);
 }

@@ -20,14 +20,15 @@ using test::query_result;
 namespace {
 
 // Two sequences and a noisy query through part of the first one.
-struct Walks {
+struct MarginWalks {
   std::vector<std::vector<LdbCode>> train = {test::walk_codes(90, 1), test::walk_codes(70, 2)};
   std::vector<LdbCode> query = test::walk_codes(60, 3);
-  Walks() { std::copy_n(train[0].begin() + 20, 30, query.begin() + 15); }
+  MarginWalks() { std::copy_n(train[0].begin() + 20, 30, query.begin() + 15); }
 };
 
 // The definition, from all distances of a query window; `width` of every sequence.
-std::optional<double> slow_margin(const Walks& walks, size_t window, size_t length, size_t width) {
+std::optional<double> slow_margin(const MarginWalks& walks, size_t window, size_t length,
+                                  size_t width) {
   std::optional<Match> best;
   std::vector<Match> row;
   for (size_t s = 0; s < walks.train.size(); ++s)
@@ -50,7 +51,7 @@ std::optional<double> slow_margin(const Walks& walks, size_t window, size_t leng
 }  // namespace
 
 TEST_CASE("every exact method gives each query window its margin, for any decision") {
-  const Walks walks;
+  const MarginWalks walks;
   const SequenceDatabase database = test::make_database(walks.train);
   const DescriptorSet query = make_query(walks.query);
   for (const char* method : {"fastable", "fastable-online", "openable"}) {
@@ -68,7 +69,7 @@ TEST_CASE("every exact method gives each query window its margin, for any decisi
 }
 
 TEST_CASE("by margin, only a place that is seen again is recognized") {
-  const Walks walks;
+  const MarginWalks walks;
   const SequenceDatabase database = test::make_database(walks.train);
   for (const std::optional<double> margin : {std::optional<double>(), std::optional(60.0)}) {
     const Result result = query_result(database, make_query(walks.query), by_margin(10, margin));
@@ -83,7 +84,7 @@ TEST_CASE("by margin, only a place that is seen again is recognized") {
 }
 
 TEST_CASE("two sequences of one place do not reduce each other's margin") {
-  const Walks walks;
+  const MarginWalks walks;
   const DescriptorSet query = make_query(walks.query);
   const auto recognitions = [&](const SequenceDatabase& database,
                                 std::vector<std::string> same_place) {
@@ -104,7 +105,7 @@ TEST_CASE("two sequences of one place do not reduce each other's margin") {
 }
 
 TEST_CASE("stored exclusion radii and overlaps have the results of computed ones") {
-  const Walks walks;
+  const MarginWalks walks;
   const std::vector<std::vector<LdbCode>> train = {walks.train[0], walks.train[1], walks.train[0]};
   const SequenceDatabase old = test::make_database(train);
   SequenceDatabase database = test::make_database(train);
@@ -124,7 +125,7 @@ TEST_CASE("stored exclusion radii and overlaps have the results of computed ones
 
 TEST_CASE(
     "without windows outside the exclusion zone there is no margin and no recognition by margin") {
-  const Walks walks;
+  const MarginWalks walks;
   const SequenceQuerySettings settings{
       Margin{{.window_length = 10, .exclusion_frames = 10'000}, 0.0}};
   const SequenceDatabase one = test::make_database({walks.train[0]});
@@ -140,7 +141,7 @@ TEST_CASE(
 }
 
 TEST_CASE("unreadable frames have no margin") {
-  const Walks walks;
+  const MarginWalks walks;
   DescriptorSet query = make_query(walks.query);
   query.sequence.unreadable = {30};
   const Result result =

@@ -18,7 +18,7 @@ using namespace vpr;
 
 namespace {
 
-SequenceQuerySettings by_margin(std::optional<double> margin = std::nullopt) {
+SequenceQuerySettings margin_rule(std::optional<double> margin = std::nullopt) {
   return {Margin{{}, margin}};
 }
 
@@ -192,15 +192,15 @@ TEST_CASE("files hold the settings of a margin") {
   CHECK(margin["margin"] == 12.5);
   CHECK(margin["exclusion_frames"] == 3);
   CHECK(margin["same_place"] == Json{"a=b"});
-  CHECK(settings_in_force(by_margin())["margin"] == "auto");
+  CHECK(settings_in_force(margin_rule())["margin"] == "auto");
 }
 
 TEST_CASE("a margin must be a finite number, not negative, and below the largest distance") {
-  CHECK_FALSE(is_refused(by_margin()));
-  CHECK_FALSE(is_refused(by_margin(0)));
-  CHECK_FALSE(is_refused(by_margin(65535)));
+  CHECK_FALSE(is_refused(margin_rule()));
+  CHECK_FALSE(is_refused(margin_rule(0)));
+  CHECK_FALSE(is_refused(margin_rule(65535)));
   for (const double margin : {-0.1, std::nan(""), double{INFINITY}, 65536.0})
-    CHECK(is_refused(by_margin(margin)));
+    CHECK(is_refused(margin_rule(margin)));
   CHECK_FALSE(is_refused({Margin{{.score = Score::zscore}, 64}}));
   CHECK(is_refused({Margin{{.score = Score::zscore}, 65}}));
   CHECK(is_refused({Filter{65}}));

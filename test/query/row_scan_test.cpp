@@ -13,7 +13,7 @@ using namespace vpr;
 
 namespace {
 
-struct Piece {
+struct ScanPiece {
   size_t query = 0;
   size_t sequence = 0;
   size_t first = 0;
@@ -21,15 +21,15 @@ struct Piece {
 };
 
 // Two sequences of 50 and 9 windows, 20 query windows, cut into pieces.
-std::vector<Piece> random_pieces(uint64_t seed) {
+std::vector<ScanPiece> random_pieces(uint64_t seed) {
   RandomEngine engine(seed);
-  std::vector<Piece> pieces;
+  std::vector<ScanPiece> pieces;
   for (size_t query = 0; query < 20; ++query) {
     if (query == 5) continue;  // no cells
     for (size_t sequence = 0; sequence < 2; ++sequence) {
       const size_t windows = sequence == 0 ? 50 : 9;
       for (size_t first = 0; first < windows;) {
-        Piece piece{query, sequence, first, {}};
+        ScanPiece piece{query, sequence, first, {}};
         const size_t count = std::min(windows - first, size_t(1 + uniform_below(engine, 20)));
         for (size_t i = 0; i < count; ++i)
           piece.scores.push_back(static_cast<uint32_t>(uniform_below(engine, 40)));
@@ -41,7 +41,7 @@ std::vector<Piece> random_pieces(uint64_t seed) {
   return pieces;
 }
 
-ScoreRow as_row(const Piece& piece) {
+ScoreRow as_row(const ScanPiece& piece) {
   return {piece.query, piece.sequence, piece.first, piece.scores};
 }
 
@@ -65,11 +65,11 @@ TEST_CASE(
 }
 
 TEST_CASE("the result does not depend on the order of rows or the number of threads") {
-  const std::vector<Piece> pieces = random_pieces(1);
+  const std::vector<ScanPiece> pieces = random_pieces(1);
   std::vector<Cell> recognitions;
   std::vector<std::optional<Cell>> best(20);
   std::vector<uint32_t> maxima(2, 0);
-  for (const Piece& piece : pieces) {
+  for (const ScanPiece& piece : pieces) {
     for (size_t x = 0; x < piece.scores.size(); ++x) {
       const Cell cell{uint32_t(piece.query), uint32_t(piece.sequence), uint32_t(piece.first + x),
                       piece.scores[x]};
@@ -81,7 +81,7 @@ TEST_CASE("the result does not depend on the order of rows or the number of thre
   }
   for (const size_t threads : {1, 2, 4}) {
     const ThreadLimit limit(threads);
-    std::vector<Piece> shuffled = pieces;
+    std::vector<ScanPiece> shuffled = pieces;
     RandomEngine engine(threads);
     for (size_t i = shuffled.size(); i > 1; --i)
       std::swap(shuffled[i - 1], shuffled[uniform_below(engine, i)]);
@@ -111,12 +111,12 @@ TEST_CASE("more recognitions than the limit are an error with advice") {
 }
 
 TEST_CASE("selected cells are found in the pieces that contain them") {
-  const std::vector<Piece> pieces = random_pieces(2);
+  const std::vector<ScanPiece> pieces = random_pieces(2);
   std::vector<Cell> wanted = {{0, 0, 0, 0}, {0, 0, 49, 0}, {0, 1, 8, 0}, {19, 0, 25, 0}};
   CellScan scan(wanted);
-  for (const Piece& piece : pieces) scan(as_row(piece));
+  for (const ScanPiece& piece : pieces) scan(as_row(piece));
   for (const Cell& cell : scan.result()) {
-    for (const Piece& piece : pieces) {
+    for (const ScanPiece& piece : pieces) {
       if (piece.query != cell.query_window || piece.sequence != cell.sequence) continue;
       if (cell.train_window < piece.first || cell.train_window >= piece.first + piece.scores.size())
         continue;

@@ -12,11 +12,11 @@ using test::write_text;
 
 namespace {
 
-const std::string kHeader = "sequence,train,query,tolerance\n";
+const std::string kPlacesHeader = "sequence,train,query,tolerance\n";
 
 /// The labels of a file, for `query` frames and `places` places.
 std::string labels_of(const std::string& rows, size_t query, size_t places) {
-  write_text("places.csv", kHeader + rows);
+  write_text("places.csv", kPlacesHeader + rows);
   return read_labels("places.csv", query, places);
 }
 
