@@ -3,6 +3,7 @@
 
     first_floor.py SOURCE BIN"""
 import csv
+import math
 import os
 import shutil
 import tarfile
@@ -13,9 +14,9 @@ stubs, downloads = folder / "stubs", folder / "downloads"
 
 
 def render():
-    """The stand-in of the first floor with tiny images."""
+    """The stand-in of the first floor with small images."""
     world = read_json(source / "configs/worlds/put-mc-floor1.json")
-    run("vpr-synth", write("world.json", {**world, "image_width": 80, "image_height": 60}), "-o", "world", "--quiet")
+    run("vpr-synth", write("world.json", {**world, "image_width": 200, "image_height": 150}), "-o", "world", "--quiet")
     return folder / "world"
 
 
@@ -110,6 +111,41 @@ def check_labeled(before):
         assert outcome["holds"] is not None and [part["settings"]["c_l"] for part in outcome["parts"]] == [80], outcome
 
 
+def poses(walk):
+    with (rendered / walk / "poses.csv").open() as file:
+        return [tuple(float(row[key]) for key in ("x", "y", "heading")) for row in csv.DictReader(file)]
+
+
+def mark_places():
+    """Marks three frames of each training sequence; the number of those that the query passes in this direction."""
+    query, passed = poses("query"), 0
+    with (downloads / "put-mc-floor1/fabmap-places.csv").open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["sequence", "train", "query", "tolerance"])
+        for train in description["train"]:
+            walk = poses(train["sequence"].rpartition("/")[2])
+            for frame in (len(walk) // 4, len(walk) // 2, len(walk) * 3 // 4):
+                x, y, heading = walk[frame]
+                near = [(math.hypot(one[0] - x, one[1] - y), i) for i, one in enumerate(query)
+                        if abs(math.remainder(one[2] - heading, 360)) < 45]
+                is_passed = bool(near) and min(near)[0] < 1
+                passed += is_passed
+                writer.writerow([train["name"], frame, *((min(near)[1], 8) if is_passed else ("", ""))])
+    return passed
+
+
+def check_marked():
+    """FAB-MAP is measured on the places that a person marked."""
+    passed = mark_places()
+    assert 4 < passed < 2 * len(description["train"]), passed
+    written, messages = run_floor()
+    found = [{cell["measure"]: cell["ours"] for cell in written["cells"] if cell.get("c_w") == c_w} for c_w in (1, 3)]
+    assert all(row["places on the path"] == passed for row in found), found
+    assert 0 < max(row["distinct"] for row in found) <= passed, found
+    assert all(outcome["holds"] is not None for outcome in written["findings"]), written["findings"]
+    assert "FAB-MAP: not measured" not in messages, messages
+
+
 rendered = render()
 description = fetch(pack(rendered, has_subfolders=True))
 queries = {query["name"]: query["sequence"] for query in description["queries"]}
@@ -119,3 +155,4 @@ description = fetch(pack(rendered, has_subfolders=False))
 assert description["queries"] == [{"name": "query", "sequence": "SP_PUT_CM_1_test"}], description
 assert len(description["train"]) == 14, description["train"]
 check_labeled(check_unlabeled())
+check_marked()
