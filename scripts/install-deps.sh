@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs missing dependencies (Debian 12).
+# Installs missing dependencies (Debian 12 and 13).
 #   scripts/install-deps.sh            build and test
 #   scripts/install-deps.sh --build    build only, as the demo does
 #   scripts/install-deps.sh --check    also those of scripts/check.sh
