@@ -18,6 +18,7 @@ else
   echo "format: ${#files[@]} files match .clang-format"
 fi
 scripts/dev/check_layers.sh
+scripts/dev/check_names.py
 scripts/dev/check_schemas.py
 scripts/dev/check_links.py
 scripts/dev/check_measurements.py

@@ -36,7 +36,7 @@ struct LoopInputs {
   TableFormat format = TableFormat::text;
 };
 
-void warn_of_order(const LoopsEvaluation& found, const Monitor& monitor) {
+void warn_of_loop_order(const LoopsEvaluation& found, const Monitor& monitor) {
   constexpr double kClear = 1.5;
   if (!found.judgment.curve) return;
   const bool is_distance = found.rules.order == ScoreOrder::distance;
@@ -89,7 +89,7 @@ LoopsEvaluation evaluate(const LoopInputs& inputs, const Monitor& monitor) {
       !fault.empty())
     warn(monitor, "{}: --gap {} {}. Check the unit of its times", inputs.poses, inputs.gap, fault);
   if (inputs.angle_deg) warn_of_headings(inputs.poses, found.trajectory.poses, monitor);
-  if (inputs.scores.has_order()) warn_of_order(found, monitor);
+  if (inputs.scores.has_order()) warn_of_loop_order(found, monitor);
   return found;
 }
 

@@ -23,7 +23,7 @@ namespace {
 constexpr size_t kMostRanges = 3;  // without -v
 
 /// The results, or the scores, with the names of --name or of their files, numbered if equal.
-std::vector<EvalRow> rows_of(const EvalFlags& flags) {
+std::vector<EvalRow> eval_rows(const EvalFlags& flags) {
   const auto paths = flags.results.empty() ? std::vector{flags.scores.source()} : flags.results;
   if (!flags.names.empty() && flags.names.size() != paths.size())
     throw Error(ErrorKind::usage,
@@ -232,7 +232,7 @@ void run_several(Session& session, const EvalFlags& flags, const std::vector<Eva
 }
 
 void run(Session& session, const EvalFlags& flags) {
-  const std::vector<EvalRow> rows = rows_of(flags);
+  const std::vector<EvalRow> rows = eval_rows(flags);
   check_flags(flags);
   if (rows.size() > 1) return run_several(session, flags, rows);
   run_one(session, flags, rows.front());

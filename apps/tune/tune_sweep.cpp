@@ -115,8 +115,8 @@ struct SweepCommand {
   Settings settings;
 };
 
-std::string result_text(const TuneOptions& options, const CommonOptions& common,
-                        const std::vector<Sweep>& sweeps) {
+std::string sweep_text(const TuneOptions& options, const CommonOptions& common,
+                       const std::vector<Sweep>& sweeps) {
   if (options.format == TableFormat::csv)
     return render_table(cells_table(sweeps), TableFormat::csv);
   std::string text;
@@ -188,7 +188,7 @@ void present(Session& session, const TuneOptions& options, DatabaseFamily family
   if (!options.save_config.empty() && recommended)
     session.outputs.file(options.save_config).write(config_text(*recommended));
   if (!options.plots.empty()) draw_plots(session, options, sweeps);
-  session.print_result(result_text(options, session.options, sweeps), json);
+  session.print_result(sweep_text(options, session.options, sweeps), json);
   if (!options.save_config.empty() && !recommended)
     throw Error(ErrorKind::expectation, "{}: is not written, because no setting is recommended: {}",
                 options.save_config, reason_text(sweeps.front()));

@@ -21,7 +21,7 @@ void for_each_of(Json& schema, std::initializer_list<std::string_view> types, co
     if (type == name || (type.is_array() && type.front() == name)) return body(schema);
 }
 
-Json number(double value) {
+Json number_json(double value) {
   return value == std::floor(value) ? Json(static_cast<int64_t>(value)) : Json(value);
 }
 
@@ -76,8 +76,8 @@ Json any_of(std::vector<Json> schemas) {
 void add_hint(Json& schema, const Bounds& bounds) {
   for_each_of(schema, {"number", "integer"}, [&](Json& numbers) {
     numbers.erase("minimum");
-    numbers[bounds.is_open ? "exclusiveMinimum" : "minimum"] = number(bounds.least);
-    if (std::isfinite(bounds.most)) numbers["maximum"] = number(bounds.most);
+    numbers[bounds.is_open ? "exclusiveMinimum" : "minimum"] = number_json(bounds.least);
+    if (std::isfinite(bounds.most)) numbers["maximum"] = number_json(bounds.most);
   });
 }
 

@@ -18,7 +18,7 @@ std::string error_text(zip_error_t& error) {
   return text;
 }
 
-[[noreturn]] void fail(const std::string& where, const std::string& what) {
+[[noreturn]] void fail_archive(const std::string& where, const std::string& what) {
   throw Error(ErrorKind::data, "{}: is a damaged zip archive ({})", where, what);
 }
 
@@ -93,13 +93,13 @@ ZipFile::ZipFile(const std::filesystem::path& path) : where_(path.string()), fil
   zip_error_t error;
   zip_error_init(&error);
   const auto bytes = file_.bytes();
-  if (bytes.empty()) fail(where_, "it is empty");
+  if (bytes.empty()) fail_archive(where_, "it is empty");
   zip_source_t* source = zip_source_buffer_create(bytes.data(), bytes.size(), 0, &error);
-  if (source == nullptr) fail(where_, error_text(error));
+  if (source == nullptr) fail_archive(where_, error_text(error));
   archive_ = zip_open_from_source(source, ZIP_RDONLY, &error);
   if (archive_ == nullptr) {
     zip_source_free(source);
-    fail(where_, error_text(error));
+    fail_archive(where_, error_text(error));
   }
   zip_error_fini(&error);
   const zip_int64_t count = zip_get_num_entries(archive_, 0);
@@ -114,14 +114,14 @@ ZipFile::~ZipFile() { zip_discard(archive_); }
 ZipFile::Entry::Entry(ZipFile& archive, size_t index)
     : where_(archive.where_ + ", " + archive.names_.at(index)),
       file_(zip_fopen_index(archive.archive_, index, 0)) {
-  if (file_ == nullptr) fail(where_, zip_strerror(archive.archive_));
+  if (file_ == nullptr) fail_archive(where_, zip_strerror(archive.archive_));
 }
 
 ZipFile::Entry::~Entry() { zip_fclose(file_); }
 
 size_t ZipFile::Entry::read(std::span<std::byte> bytes) {
   const zip_int64_t got = zip_fread(file_, bytes.data(), bytes.size());
-  if (got < 0) fail(where_, zip_file_strerror(file_));
+  if (got < 0) fail_archive(where_, zip_file_strerror(file_));
   return static_cast<size_t>(got);
 }
 

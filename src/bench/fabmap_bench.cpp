@@ -21,7 +21,7 @@ constexpr uint64_t kPretrainSeed = uint64_t{1} << 40;
 constexpr uint64_t kQuerySeed = uint64_t{2} << 40;
 constexpr size_t kCheckedPlaces = 100;
 
-void check_settings(const FabmapBenchSettings& settings) {
+void check_fabmap_settings(const FabmapBenchSettings& settings) {
   check_values("place_counts", settings.place_counts, 1, 100'000'000);
   check_values("words", settings.words, 2, 10'000'000);
   check_values("words_per_frame", settings.words_per_frame, 1, 100'000);
@@ -194,7 +194,7 @@ void time_queries(BenchResult& result, const FabmapBenchSettings& settings,
 
 BenchResult bench_fabmap(const FabmapBenchSettings& settings, uint64_t seed,
                          const Monitor& monitor) {
-  check_settings(settings);
+  check_fabmap_settings(settings);
   BenchResult result{"fabmap", value_to_json(settings)};
   StepCounter counter(
       monitor, "measure",

@@ -42,7 +42,7 @@ double speed_of(std::span<const PathPoint> points) {
 }
 
 // Mean and variance.
-std::pair<double, double> scores_of(std::span<const PathPoint> points) {
+std::pair<double, double> mean_and_variance(std::span<const PathPoint> points) {
   double sum = 0;
   double squares = 0;
   for (const PathPoint& point : points) {
@@ -59,8 +59,8 @@ double change_at(std::span<const PathPoint> points, size_t at) {
   const auto before = points.subspan(at - kAround, kAround);
   const auto after = points.subspan(at, kAround);
   const double speed = std::abs(speed_of(before) - speed_of(after)) / kSpeedChange;
-  const auto [mean_before, variance_before] = scores_of(before);
-  const auto [mean_after, variance_after] = scores_of(after);
+  const auto [mean_before, variance_before] = mean_and_variance(before);
+  const auto [mean_after, variance_after] = mean_and_variance(after);
   const double deviation = std::sqrt((variance_before + variance_after) / 2);
   const double score = std::abs(mean_before - mean_after) / (kScoreChange * deviation);
   return std::max(speed, deviation > 0 ? score : 0);

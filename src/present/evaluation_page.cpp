@@ -147,7 +147,7 @@ void add_sources(Json& data, const GroundTruthScope& scope) {
 }
 
 // "filter on tuesday (111 frames) in monday (111 frames)".
-std::string title_of(const Report& report, const GroundTruthScope& scope) {
+std::string page_title(const Report& report, const GroundTruthScope& scope) {
   constexpr size_t kMostTrained = 3;  // training sequences
   std::vector<std::string> trained;
   size_t frames = 0;
@@ -251,7 +251,7 @@ std::string evaluation_page(const Evaluation& evaluation, const Report& report, 
   protocol.erase("ground_truth");                      // the subtitle
   if (truth.is_known) protocol.erase("localization");  // the title of its table
   return fill_page(html::kPage,
-                   {{"title", html_escaped(title_of(report, judgment.layout.scope))},
+                   {{"title", html_escaped(page_title(report, judgment.layout.scope))},
                     {"summary", html_escaped(summary)},
                     {"subtitle", html_escaped(settings + "Ground truth: " + truth.protocol)},
                     {"style", palette_css() + std::string(html::kStyle)},

@@ -63,7 +63,7 @@ std::string recall_text(const Report& report) {
 }
 
 // "30 of 1500 frames have a better match than the first incorrect one of 200 labels, at 312".
-std::string threshold_text(const Evaluation& evaluation) {
+std::string measured_threshold_text(const Evaluation& evaluation) {
   const std::optional<LabeledThreshold> found = labeled_threshold(evaluation);
   if (!found) return "";
   const Outcomes& outcomes = evaluation.judgment.outcomes;
@@ -139,7 +139,7 @@ std::string evaluation_text(const Evaluation& evaluation, const Report& report,
       text += line("ranking", curve_text(curves.single_best) + (by_margin ? " (by margin)" : ""));
       if (curves.all_pairs) text += line("all pairs", curve_text(*curves.all_pairs));
     }
-    if (const std::string threshold = threshold_text(evaluation); !threshold.empty())
+    if (const std::string threshold = measured_threshold_text(evaluation); !threshold.empty())
       text += line("labels", threshold);
     if (const std::string unknown = unknown_text(report.frames.outcomes); !unknown.empty())
       text += line("not known", unknown);

@@ -144,7 +144,7 @@ void mark_best_methods(Table& table, const SideBySide& methods, const MetricAt& 
 }
 
 // "corridor: over 111 frames with a match; correct and incorrect: recognized frames".
-std::string title_of(const SideBySide& methods, const std::vector<std::string>& columns) {
+std::string table_title(const SideBySide& methods, const std::vector<std::string>& columns) {
   const auto has = [&](const char* column) { return std::ranges::count(columns, column) > 0; };
   std::string title = fmt::format("{}: over {}", methods.query, methods.frames);
   if (has("correct")) title += "; correct and incorrect: recognized frames";
@@ -218,7 +218,7 @@ Table methods_table(const SideBySide& methods, TableDetail detail) {
         mark_best_methods(table, methods, at);
     }
   if (is_data) add_other_data(columns);
-  table.title = title_of(methods, table.columns);
+  table.title = table_title(methods, table.columns);
   for (size_t r = 0; r < reports.size(); ++r)
     if (!methods.notes[r].empty())
       table.notes.push_back(fmt::format("{}: {}", reports[r].row_name, methods.notes[r]));

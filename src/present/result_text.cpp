@@ -54,7 +54,7 @@ std::string settings_text(const Result&, const FabmapQuerySettings& settings) {
 }
 
 // "64-137", or "64" for a single frame.
-std::string frames_text(size_t first, size_t last) {
+std::string windows_text(size_t first, size_t last) {
   return first == last ? std::to_string(first) : fmt::format("{}-{}", first, last);
 }
 
@@ -92,7 +92,7 @@ std::vector<RecognizedRange> cluster_ranges(const Result& result) {
     const Sequence& train = result.sequences[cluster.sequence].sequence;
     const auto rate = mean_rate(cluster);
     ranges.push_back({anchor_of(cluster.query_first, length), anchor_of(cluster.query_last, length),
-                      fmt::format("{} {}", train.name, frames_text(first, last)),
+                      fmt::format("{} {}", train.name, windows_text(first, last)),
                       joined(rate ? speed_text(*rate, result.query, train) : "",
                              witness_text(result, cluster.query_first))});
   }
@@ -147,7 +147,7 @@ std::vector<RecognizedRange> recognized_ranges(const Result& result) {
 
 std::string range_text(const Result& result, const RecognizedRange& range) {
   return joined(fmt::format("{} {} = {}", result.query.name,
-                            frames_text(range.query_first, range.query_last), range.train),
+                            windows_text(range.query_first, range.query_last), range.train),
                 range.score);
 }
 

@@ -32,7 +32,7 @@ bool is_zip(std::string_view bytes) {
   return bytes.starts_with("PK\x03\x04") || bytes.starts_with("PK\x05\x06");
 }
 
-std::optional<size_t> find_name(const ZipFile& archive, std::string_view name) {
+std::optional<size_t> find_entry(const ZipFile& archive, std::string_view name) {
   const auto found = std::ranges::find(archive.names(), name);
   if (found == archive.names().end()) return std::nullopt;
   return static_cast<size_t>(found - archive.names().begin());
@@ -196,14 +196,14 @@ std::string read_archive(GroundTruthBuilder& builder) {
     throw Error(ErrorKind::usage, "{}: a .npz file contains its soft matrix, named GTsoft",
                 path.string());
   if (archive.names().empty()) builder.fail("is an archive without a matrix");
-  const auto hard = find_name(archive, kHard);
+  const auto hard = find_entry(archive, kHard);
   if (!hard && archive.names().size() == 1) return read_streams(builder, open(0), {}, true);
   if (!hard)
     builder.fail("expected the matrices GThard and GTsoft, found {}",
                  fmt::join(archive.names(), ", "));
   NpyStream hard_stream = open(*hard);
   std::optional<NpyStream> soft;
-  if (const auto index = find_name(archive, kSoft)) soft = open(*index);
+  if (const auto index = find_entry(archive, kSoft)) soft = open(*index);
   return read_streams(builder, std::move(hard_stream), std::move(soft), false);
 }
 
