@@ -9,7 +9,6 @@
 #include "present/chart.h"
 
 namespace vpr {
-namespace {}  // namespace
 
 std::string script_json(const Json& json) {
   std::string text;
