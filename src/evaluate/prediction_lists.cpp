@@ -203,7 +203,7 @@ struct ListSide {
                                          cells.what, text, counted(*frames, "frame"))
                            : fmt::format("{} is not a frame number", text));
     location.fail(
-        names.count()
+        names.count() > 0
             ? fmt::format("no {} frame, or more than one, is called {}{}", cells.what, text,
                           field_hint(text, location))
             : fmt::format("{} is not a frame number{}. Name the frames with --query and --train "
@@ -238,7 +238,7 @@ ScoredLists collect(const PredictionList& list, const FrameNames& queries,
       std::clamp(1000 * list.all.size(), size_t{1} << 18, size_t{kMaxGrownFrames});
   const auto cells_of = [&](std::string_view noun, const FrameNames& names,
                             std::string Prediction::*cell) {
-    FrameCells cells{noun, names.count() ? &names : nullptr};
+    FrameCells cells{noun, names.count() > 0 ? &names : nullptr};
     for (const Prediction& one : list.all) cells.texts.emplace_back(one.*cell);
     return cells;
   };

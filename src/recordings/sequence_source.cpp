@@ -388,10 +388,6 @@ FrameNames::FrameNames(std::vector<std::string> names) : names_(std::move(names)
   }
 }
 
-std::optional<size_t> FrameNames::count() const {
-  return names_.empty() ? std::nullopt : std::optional(names_.size());
-}
-
 std::optional<size_t> FrameNames::find(std::string_view path) const {
   const std::string_view name = file_name(path);
   if (name.find('\\') != std::string_view::npos && !by_file_name_.contains(name))

@@ -110,8 +110,8 @@ class FrameNames {
  public:
   explicit FrameNames(std::vector<std::string> names);
 
-  /// The number of frames; nullopt without names.
-  std::optional<size_t> count() const;
+  /// The number of frames; 0 if their names are unknown.
+  size_t count() const { return names_.size(); }
   /// The frame with this name: an equal path, or the one with the most equal last components (file
   /// name, folder, ...); if no file name is equal, the only one with this name without its
   /// extension. Backslashes separate folders as slashes do, unless a frame has them in its name.

@@ -44,7 +44,7 @@ void read_names(FrameColumn& column, const NameReader& reader) {
                                  column.unnamed);
     return;
   }
-  const size_t count = column.names->count().value_or(0);
+  const size_t count = column.names->count();
   if (column.frames.grows || count == column.frames.frames) {
     column.cells.names = &*column.names;
     return;
@@ -65,7 +65,7 @@ size_t find_name(const GroundTruthBuilder& builder, const FrameColumn& column,
   if (!frame)
     builder.fail("{} \"{}\" is {} the name of exactly one of {}", column.cells.what,
                  shortened(text), column.cells.are_names ? "not" : "neither a frame number nor",
-                 counted(column.names->count().value_or(0), "frame"));
+                 counted(column.names->count(), "frame"));
   return *frame;
 }
 

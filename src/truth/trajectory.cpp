@@ -185,7 +185,7 @@ std::optional<Poses> poses_by_name(const Trajectory& trajectory, const SideOptio
   if (count == 0 && !side_names.are_images)
     throw Error(ErrorKind::data, "{}: no line names a frame of the sequence; the first names {}",
                 trajectory.name, trajectory.names.front());
-  Poses poses(names.count().value_or(0));
+  Poses poses(names.count());
   std::vector<bool> is_named(poses.size());
   FileLocation location{trajectory.name};
   for (size_t i = 0; i < trajectory.names.size(); ++i) {
