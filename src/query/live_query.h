@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "query/path_decisions.h"
 #include "query/run_query.h"
 
 namespace vpr {

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "base/stopwatch.h"
+#include "query/path_decisions.h"
 
 namespace vpr {
 namespace {
@@ -90,81 +91,108 @@ Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,
   return result;
 }
 
-PathRows::PathRows(const QueryPlan& plan)
-    : plan_(plan),
-      decisions_(std::get<ByPath>(plan.decision).least_margin),
-      steps_(plan.result.query.frames),
-      reversed_(plan.result.query.frames),
-      found_{{}, std::vector<std::optional<Cell>>(plan.result.query.frames)},
-      path_(plan.result.query.frames) {
-  witness_ = std::get<ByPath>(plan.decision).witness;
-  if (witness_) path_.witnessed.resize(plan.result.query.frames);
-}
+namespace {
 
-void PathRows::operator()(std::span<const ScoreRow> row) {
-  PathReport report = *row.front().path;
-  const size_t frame = row.front().query_window;
-  if (witness_) {
-    const double margin = plan_.result.score().frame_value(report.margin, 1);
-    by_margin_ = {margin, witness_->add_evidence(report, plan_.query.rows[frame], [this, frame] {
-                    return plan_.features_of ? plan_.features_of(frame)
-                                             : std::vector<LocalFeature>{};
-                  })};
+/// Collects the reports of a planned query by the filter, which must outlive it, into a result.
+class PathRows {
+ public:
+  explicit PathRows(const QueryPlan& plan)
+      : plan_(plan),
+        decisions_(std::get<ByPath>(plan.decision).least_margin),
+        witness_(std::get<ByPath>(plan.decision).witness) {
+    if (witness_) path_.witnessed.resize(plan.result.query.frames);
   }
-  steps_[frame] = report;
-  steps_[frame].matches = {};
-  reversed_[frame] = *row.front().reversed;
-  for (const Cell& match : report.matches) {
-    found_.best[match.query_window] = match;
-    path_.numbers[match.query_window] = report.path;
+
+  void operator()(std::span<const ScoreRow> row) {
+    PathReport report = *row.front().path;
+    const size_t frame = row.front().query_window;
+    if (witness_) {
+      const double margin = plan_.result.score().frame_value(report.margin, 1);
+      by_margin_ = {margin, witness_->add_evidence(report, plan_.query.rows[frame], [this, frame] {
+                      return plan_.features_of ? plan_.features_of(frame)
+                                               : std::vector<LocalFeature>{};
+                    })};
+    }
+    steps_[frame] = report;
+    steps_[frame].matches = {};
+    reversed_[frame] = *row.front().reversed;
+    for (const Cell& match : report.matches) {
+      found_.best[match.query_window] = match;
+      path_.numbers[match.query_window] = report.path;
+    }
+    path_.rates[frame] = report.rate;
+    decide(decisions_.take(report), frame);
   }
-  path_.rates[frame] = report.rate;
-  decide(decisions_.take(report), frame);
-}
 
-void PathRows::decide(const std::vector<Cell>& recognized, size_t frame) {
-  for (const Cell& match : recognized) {
-    path_.decided[match.query_window] = static_cast<uint32_t>(frame);
-    if (witness_) path_.witnessed[match.query_window] = by_margin_;
-    found_.recognitions.push_back(match);
+  Result result() {
+    if (!steps_.empty() && steps_.back().path != 0) decide(decisions_.finish(), steps_.size() - 1);
+    path_.keyframes = static_cast<size_t>(std::ranges::count_if(steps_, &PathReport::is_keyframe));
+    const std::vector<uint32_t> settled = settled_margins(std::move(steps_));
+    std::vector<std::optional<uint32_t>> margins(settled.size());
+    for (size_t frame = 0; frame < margins.size(); ++frame)
+      if (found_.best[frame]) margins[frame] = settled[frame];
+    const uint32_t least = std::get<ByPath>(plan_.decision).least_margin;
+    const std::vector<uint32_t> reversed = settled_margins(std::move(reversed_));
+    path_.reversed_frames = static_cast<size_t>(
+        std::ranges::count_if(reversed, [&](uint32_t margin) { return margin >= least; }));
+    Result result = make_result(plan_, found_, margins);
+    result.path = std::move(path_);
+    return result;
   }
-}
 
-Result PathRows::result() {
-  if (!steps_.empty() && steps_.back().path != 0) decide(decisions_.finish(), steps_.size() - 1);
-  path_.keyframes = static_cast<size_t>(std::ranges::count_if(steps_, &PathReport::is_keyframe));
-  const std::vector<uint32_t> settled = settled_margins(std::move(steps_));
-  std::vector<std::optional<uint32_t>> margins(settled.size());
-  for (size_t frame = 0; frame < margins.size(); ++frame)
-    if (found_.best[frame]) margins[frame] = settled[frame];
-  const uint32_t least = std::get<ByPath>(plan_.decision).least_margin;
-  const std::vector<uint32_t> reversed = settled_margins(std::move(reversed_));
-  path_.reversed_frames = static_cast<size_t>(
-      std::ranges::count_if(reversed, [&](uint32_t margin) { return margin >= least; }));
-  Result result = make_result(plan_, found_, margins);
-  result.path = std::move(path_);
-  return result;
-}
+ private:
+  void decide(const std::vector<Cell>& recognized, size_t frame) {
+    for (const Cell& match : recognized) {
+      path_.decided[match.query_window] = static_cast<uint32_t>(frame);
+      if (witness_) path_.witnessed[match.query_window] = by_margin_;
+      found_.recognitions.push_back(match);
+    }
+  }
 
-ResultRows::ResultRows(const QueryPlan& plan) : plan_(plan), recognitions_(scan_settings(plan)) {
-  if (std::holds_alternative<ByPath>(plan.decision))
-    paths_.emplace(plan);
-  else if (plan.exclusion_zones)
-    scan_.emplace(*plan.exclusion_zones, plan.result.query_windows);
-}
+  const QueryPlan& plan_;
+  const size_t frames_ = plan_.result.query.frames;
+  PathDecisions decisions_;
+  std::optional<WitnessStage> witness_;
+  std::vector<PathReport> steps_ = std::vector<PathReport>(frames_);  // without matches
+  std::vector<PathReport> reversed_ = steps_;                         // against the direction
+  RecognitionScanResult found_{{}, std::vector<std::optional<Cell>>(frames_)};
+  ResultPath path_{frames_};
+  ResultPath::Decided by_margin_;  // the last report, with a witness
+};
 
-Sinks ResultRows::sinks() {
-  if (paths_) return {{}, {std::ref(*paths_)}};
-  Sinks sinks{{std::ref(recognitions_)}, {}};
-  if (scan_) sinks.rows.push_back(std::ref(*scan_));
-  return sinks;
-}
+/// Collects the rows of a planned query, which must outlive it, into a result without clusters and
+/// keyframes.
+class ResultRows {
+ public:
+  explicit ResultRows(const QueryPlan& plan) : plan_(plan), recognitions_(scan_settings(plan)) {
+    if (std::holds_alternative<ByPath>(plan.decision))
+      paths_.emplace(plan);
+    else if (plan.exclusion_zones)
+      margins_.emplace(*plan.exclusion_zones, plan.result.query_windows);
+  }
 
-Result ResultRows::result() {
-  if (paths_) return paths_->result();
-  return make_result(plan_, recognitions_.result(),
-                     scan_ ? scan_->result() : std::vector<std::optional<uint32_t>>{});
-}
+  /// Valid as long as this object.
+  Sinks sinks() {
+    if (paths_) return {{}, {std::ref(*paths_)}};
+    Sinks sinks{{std::ref(recognitions_)}, {}};
+    if (margins_) sinks.rows.push_back(std::ref(*margins_));
+    return sinks;
+  }
+
+  Result result() {
+    if (paths_) return paths_->result();
+    return make_result(plan_, recognitions_.result(),
+                       margins_ ? margins_->result() : std::vector<std::optional<uint32_t>>{});
+  }
+
+ private:
+  const QueryPlan& plan_;
+  RecognitionScan recognitions_;
+  std::optional<MarginScan> margins_;  // nullopt: there are none, or the filter reports them
+  std::optional<PathRows> paths_;      // of the filter
+};
+
+}  // namespace
 
 QueryRun run_query(QueryPlan plan, const Sinks& observers, const Monitor& monitor) {
   QueryRun run;

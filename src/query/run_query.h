@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "query/path_decisions.h"
 #include "query/plan.h"
 
 namespace vpr {
@@ -33,43 +32,6 @@ bool has_margin(const Result& result, const Match& best, std::optional<double> m
 /// the recognitions are those of the best matches that have it; otherwise those of `found`.
 Result make_result(const QueryPlan& plan, const RecognitionScanResult& found,
                    const std::vector<std::optional<uint32_t>>& margins);
-
-/// Collects the reports of a planned query by the filter, which must outlive it, into a result.
-class PathRows {
- public:
-  explicit PathRows(const QueryPlan& plan);
-  void operator()(std::span<const ScoreRow> row);
-  Result result();
-
- private:
-  void decide(const std::vector<Cell>& recognized, size_t frame);
-
-  const QueryPlan& plan_;
-  PathDecisions decisions_;
-  std::vector<PathReport> steps_;     ///< by query frame, without matches
-  std::vector<PathReport> reversed_;  ///< the same against the direction
-  RecognitionScanResult found_;
-  ResultPath path_;
-  std::optional<WitnessStage> witness_;
-  ResultPath::Decided by_margin_;  ///< the last report, with a witness
-};
-
-/// Collects the rows of a planned query, which must outlive it, into a result: recognitions, best
-/// matches and their margins, and the reports of the filter.
-class ResultRows {
- public:
-  explicit ResultRows(const QueryPlan& plan);
-  /// The sinks of the rows, valid as long as this object.
-  Sinks sinks();
-  /// The result without clusters and keyframes.
-  Result result();
-
- private:
-  const QueryPlan& plan_;
-  RecognitionScan recognitions_;
-  std::optional<MarginScan> scan_;  ///< nullopt: there are no margins, or the filter reports them
-  std::optional<PathRows> paths_;   ///< of the filter
-};
 
 /// Distances, recognitions, best matches and clusters of a planned query. Every row also goes to
 /// `observers`. Throws as match does.
