@@ -140,12 +140,6 @@ const SequenceMethod& find_sequence_method(std::string_view name) {
   return find_named(kMethods, "method", name);
 }
 
-void send_row(const Sinks& sinks, std::span<const ScoreRow> row) {
-  for (const RowConsumer& consume : sinks.pieces)
-    for (const ScoreRow& piece : row) consume(piece);
-  for (const WholeRowConsumer& consume : sinks.rows) consume(row);
-}
-
 WindowStage window_stage(const FrameDistances& distances, std::span<const size_t> window_lengths,
                          const MatchSettings& settings) {
   assert(!settings.method->is_approximate());
@@ -182,9 +176,13 @@ void match(const FrameDistances& distances, const MatchSettings& settings,
   for (size_t frame = 0; frame < distances.query_frames; ++frame) {
     check_stop(monitor);
     consecutive_readable = readable[frame] != 0 ? consecutive_readable + 1 : 0;
-    stage(
-        distances, {frame, frame, consecutive_readable},
-        [&](size_t length, std::span<const ScoreRow> row) { send_row(passes[length].sinks, row); });
+    stage(distances, {frame, frame, consecutive_readable},
+          [&](size_t length, std::span<const ScoreRow> row) {
+            const Sinks& sinks = passes[length].sinks;
+            for (const RowConsumer& consume : sinks.pieces)
+              for (const ScoreRow& piece : row) consume(piece);
+            for (const WholeRowConsumer& consume : sinks.rows) consume(row);
+          });
     counter.add();
   }
 }

@@ -75,9 +75,6 @@ struct Sinks {
   std::vector<WholeRowConsumer> rows = {};  ///< if there is one, pieces arrive in order as well
 };
 
-/// Passes a row to all sinks.
-void send_row(const Sinks& sinks, std::span<const ScoreRow> row);
-
 /// Settings of the method `lsh`.
 struct LshSettings {
   uint64_t tables = 8;
