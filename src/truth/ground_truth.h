@@ -31,8 +31,10 @@ inline constexpr size_t kUnknownFrames = std::numeric_limits<size_t>::max();
 /// Upper bound of a number of frames that only a file states: a damaged file may have a large
 /// index.
 inline constexpr size_t kMaxGrownFrames = size_t{1} << 22;
-/// And at most this times the number of its lines.
-inline constexpr size_t kFramesPerLine = 1000;
+/// The same for a file of poses with this number of lines.
+constexpr size_t most_frames_of(size_t lines) {
+  return lines < kMaxGrownFrames / 1000 ? 1000 * (lines + 1) : kMaxGrownFrames;
+}
 
 /// Reads the names of the frames of a sequence; null: unknown.
 using NameReader = std::function<std::vector<std::string>()>;

@@ -60,7 +60,7 @@ class LayoutReader {
       }
       frame = *in_range;
       if (!listed.insert(frame).second) rows_.fail("frame {} is listed twice", frame);
-      if (frame >= std::min(kMaxGrownFrames, kFramesPerLine * (rows_.size() + 1)))
+      if (frame >= most_frames_of(rows_.size()))
         rows_.fail("frame {} is too large for {}", frame, counted(rows_.size(), "line"));
       found_.poses.resize(std::max(found_.poses.size(), frame + 1));
       found_.poses[frame] = pose;

@@ -199,8 +199,7 @@ bool is_gps_header(const std::vector<std::string>& header) {
   return has_columns(header, {"lat", "lon"});
 }
 
-Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, size_t most_frames,
-                         bool with_times) {
+Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, bool with_times) {
   const SequenceArgument source = parse_sequence_argument(path.string());
   const std::vector<std::string> header = open_start(source.path).header;
   const bool are_fixes = is_gps_header(header) && !is_pose_header(header);
@@ -226,7 +225,7 @@ Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, siz
     const size_t number = rows.frame("frame");
     const auto frame = frame_in_range(source.range, number);
     if (!frame) continue;
-    if (!frames && *frame >= std::min(most_frames, kFramesPerLine * (rows.size() + 1)))
+    if (!frames && *frame >= most_frames_of(rows.size()))
       rows.fail("frame {} is too large for {}; pass the number of frames", number,
                 counted(rows.size(), "line"));
     if (frames && *frame >= *frames)

@@ -68,11 +68,10 @@ bool is_gps_header(const std::vector<std::string>& header);
 /// any order. Throws Error(input) if the file cannot be read; Error(data), with the line, if it is
 /// damaged, a frame is out of range or listed twice, or the range has another number of frames.
 /// `frames`: the number of frames of the sequence; without it, the largest frame in the file plus
-/// one, which must be below `most_frames`. `with_times`: also reads the column time (or timestamp);
+/// one, at most most_frames_of(lines). `with_times`: also reads the column time (or timestamp);
 /// no times if a frame has no line.
 Trajectory read_pose_csv(const std::filesystem::path& path,
-                         std::optional<size_t> frames = std::nullopt,
-                         size_t most_frames = kMaxGrownFrames, bool with_times = false);
+                         std::optional<size_t> frames = std::nullopt, bool with_times = false);
 
 /// The fixes of one side on the earth: a CSV with columns for latitude, longitude and optionally
 /// heading, in degrees. Degrees have a decimal point, and longitudes are from -180 to 360. A line

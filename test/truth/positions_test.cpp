@@ -134,7 +134,7 @@ TEST_CASE("a route is read by column names") {
 
 TEST_CASE("poses have the units that their columns name") {
   test::write_text("p.csv", "Frame,T_ms,x_mm,Y [cm],heading (rad)\n0,200,1500,250,3.14159265\n");
-  const Trajectory found = read_pose_csv("p.csv", {}, 9, /*with_times=*/true);
+  const Trajectory found = read_pose_csv("p.csv", {}, /*with_times=*/true);
   CHECK(found.times_ns == std::vector<int64_t>{200'000'000});
   CHECK(found.poses[0]->position == std::array<double, 3>{1.5, 2.5, 0});
   CHECK(*found.poses[0]->heading_deg == Approx(180));
