@@ -34,6 +34,8 @@ class MappedFile {
 /// process that maps it. Returns at most as many bytes as the file had when it was opened. Throws
 /// as MappedFile does.
 std::string read_whole_file(const std::filesystem::path& path);
+/// Enough of a file to tell its format: every video has a byte in it that text does not have.
+inline constexpr size_t kFileStart = 65536;
 /// At most its first `most` bytes.
 std::string read_file_start(const std::filesystem::path& path, size_t most);
 

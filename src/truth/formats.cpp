@@ -19,8 +19,6 @@
 namespace vpr {
 namespace {
 
-constexpr size_t kStartBytes = 65536;
-
 bool uses(const GroundTruthFormat& format, std::string_view option) {
   return std::ranges::find(format.options, option) != format.options.end();
 }
@@ -120,8 +118,8 @@ FileStart open_start(const std::filesystem::path& path) {
   std::error_code error;
   start.is_folder = std::filesystem::is_directory(start.path, error);
   if (start.is_folder) return start;
-  start.bytes = read_file_start(start.path, kStartBytes);
-  start.is_cut = start.bytes.size() == kStartBytes;
+  start.bytes = read_file_start(start.path, kFileStart);
+  start.is_cut = start.bytes.size() == kFileStart;
   start.first_line = first_line_of(start.bytes);
   start.header = first_row(start.bytes);
   start.layout = detect_layout(start);

@@ -24,8 +24,6 @@ constexpr int64_t kMinTime = -(int64_t{1} << 61);
 constexpr int64_t kMaxTime = int64_t{1} << 62;
 /// Longer dates, which have many digits below nanoseconds, are refused.
 constexpr size_t kMaxDate = 64;
-/// Every video has a byte within this range that does not occur in text.
-constexpr size_t kVideoStart = 65536;
 constexpr size_t kDigitsOfClock = 10;  // seconds since 1970
 
 /// Plausible steps between frames or poses, in nanoseconds; and those of clocks from 1970.
@@ -327,7 +325,7 @@ std::vector<int64_t> read_frame_times(const std::filesystem::path& path, const M
   std::error_code error;
   if (std::filesystem::is_directory(source.path, error))
     return times_of_names(open_sequence(source));
-  const bool is_text = read_file_start(source.path, kVideoStart).find('\0') == std::string::npos;
+  const bool is_text = read_file_start(source.path, kFileStart).find('\0') == std::string::npos;
   return is_text ? read_time_list(path) : read_video_times(source, monitor);
 }
 
