@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "match/lsh.h"
 #include "match/match.h"
 #include "match/zscores.h"
 

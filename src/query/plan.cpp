@@ -4,8 +4,6 @@
 #include <cassert>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "base/text.h"
 #include "query/thresholds.h"

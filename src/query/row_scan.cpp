@@ -1,6 +1,5 @@
 #include "query/row_scan.h"
 
-#include <algorithm>
 #include <tuple>
 #include <utility>
 

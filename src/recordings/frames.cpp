@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <numeric>
-#include <utility>
 
-#include <fmt/format.h>
 #include <oneapi/tbb/parallel_pipeline.h>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>

@@ -6,7 +6,6 @@
 #include <span>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "base/checksum.h"
 #include "base/converters.h"
