@@ -17,6 +17,7 @@ namespace {
 
 /// Lines of a file that are examined for its layout.
 constexpr size_t kSampledLines = 200;
+constexpr std::array<std::string_view, 3> kTurns = {"roll", "pitch", "yaw"};
 using Columns = std::vector<std::string_view>;
 
 Columns split_cells(std::string_view line, std::string_view separators) {

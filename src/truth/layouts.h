@@ -19,7 +19,6 @@ inline constexpr std::array<std::string_view, 4> kQuaternion = {"qx", "qy", "qz"
 inline constexpr std::array<std::string_view, 9> kMatrix = {"m0", "m1", "m2", "m3", "m4",
                                                             "m5", "m6", "m7", "m8"};
 inline constexpr std::array<std::string_view, 3> kPosition = {"x", "y", "z"};
-inline constexpr std::array<std::string_view, 3> kTurns = {"roll", "pitch", "yaw"};
 
 /// Whether a column has coordinates or angles.
 bool is_value(std::string_view column);

@@ -28,6 +28,10 @@ constexpr double kSemiMajorAxis = 6378137;
 constexpr double kFlattening = 1 / 298.257223563;
 constexpr double kEccentricity2 = kFlattening * (2 - kFlattening);
 
+bool is_pose_header(const std::vector<std::string>& header) {
+  return has_columns(header, {"frame", "x", "y"});
+}
+
 double read_degrees(const Rows& rows, std::string_view column, std::string_view what) {
   const auto value = rows.number(column);
   if (!value)
@@ -183,10 +187,6 @@ void flatten(Trajectory& trajectory, std::optional<LocalPlane>& plane) {
     if (!plane) plane.emplace(pose->position);
     pose->position = plane->local(pose->position);
   }
-}
-
-bool is_pose_header(const std::vector<std::string>& header) {
-  return has_columns(header, {"frame", "x", "y"});
 }
 
 bool is_pose_table(const std::vector<std::string>& header) {

@@ -53,9 +53,8 @@ class LocalPlane {
 /// is set. Others stay.
 void flatten(Trajectory& trajectory, std::optional<LocalPlane>& plane);
 
-/// Whether the header of a table has frame, x and y.
-bool is_pose_header(const std::vector<std::string>& header);
-/// The same, without a quaternion: a file for read_pose_csv.
+/// Whether the header of a table has frame, x and y, without a quaternion: a file for
+/// read_pose_csv.
 bool is_pose_table(const std::vector<std::string>& header);
 /// Whether it has lat or latitude, and lon, lng, long or longitude.
 bool is_gps_header(const std::vector<std::string>& header);
