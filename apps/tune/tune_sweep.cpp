@@ -204,23 +204,22 @@ void tune_fastable(Session& session, const TuneOptions& options, const SequenceK
   claim_outputs(options, session);
   const std::vector<Source> queries = find_queries(options, DatabaseFamily::sequences, session);
   const auto validation = find_validation(options, DatabaseFamily::sequences, queries, session);
-  SequenceDatabase database = open_database(options.database, settings, monitor);
+  const SequenceQuerySettings filter = default_filter(settings);
+  const SequenceDatabase database = open_database(options.database, filter, monitor);
   const QueryResources resources{options.memory_limit, session.options.process.seed};
   session.run.memory_limit = options.memory_limit;
   const Stopwatch watch;
   const auto sweep = [&](const Source& source, const Grid* grid) {
     const std::vector<LabeledQuery> labeled = {
-        {source.sequence.name,
-         describe_query(source.sequence.sequence, database, settings, monitor),
+        {source.sequence.name, describe_query(source.sequence.sequence, database, filter, monitor),
          evaluation_of(source, &database)}};
     const LabeledQuery& query = labeled.front();
+    warn_of_rates(database, query.frames.sequence.fps, settings, monitor);
     Sweep found = sweep_sequences(
         database, query, settings,
         grid != nullptr ? *grid : sequence_grid(options.grid, settings, database, query.frames),
         resources, monitor);
-    ensure_statistics(database, monitor);
     const Monitor silent = {monitor.progress, {}, monitor.stop};
-    const SequenceQuerySettings filter = default_filter(settings);
     found.filter = try_setting(database, labeled, filter, resources, silent, silent).total().path;
     if (session.prints_text() && found.filter->recognized == 0 && !found.recommendation.cell)
       found.advice = filter_advice(database, query.frames, filter, resources, silent);

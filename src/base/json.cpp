@@ -80,9 +80,7 @@ void JsonSource::fail(std::string_view defect) const {
 
 void JsonSource::refuse(const std::string& key, std::string_view expected,
                         const Json& found) const {
-  std::string text = to_line(found);
-  if (text.size() > 60) text = text.substr(0, 57) + "...";
-  fail(fmt::format("\"{}\" must be {}, found {}", key, expected, text));
+  fail(fmt::format("\"{}\" must be {}, found {}", key, expected, shortened(to_line(found))));
 }
 
 void JsonSource::refuse_unknown(const Json& json, const std::vector<std::string>& known) const {

@@ -167,9 +167,10 @@ std::string wrapped_command(const std::vector<std::string>& words) {
 }
 
 std::string shortened(std::string_view text) {
-  constexpr size_t kShown = 60;
-  const std::string shown = printable_line(text.substr(0, kShown));
-  return text.size() <= kShown ? shown : fmt::format("{}... ({} characters)", shown, text.size());
+  size_t kept = 60;
+  if (text.size() <= kept) return printable_line(text);
+  while (kept > 0 && (static_cast<uint8_t>(text[kept]) & 0xc0) == 0x80) --kept;  // inside a letter
+  return fmt::format("{}... ({} bytes)", printable_line(text.substr(0, kept)), text.size());
 }
 
 std::string counted(uint64_t count, std::string_view noun, std::string_view plural) {
@@ -202,7 +203,11 @@ bool natural_less(std::string_view a, std::string_view b) {
 }
 
 std::string csv_field(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos && !text.starts_with('#'))
+  constexpr std::string_view kBlanks = " \t";
+  const bool has_blank_end = !text.empty() && (kBlanks.find(text.front()) != std::string::npos ||
+                                               kBlanks.find(text.back()) != std::string::npos);
+  if (text.find_first_of(",\"\r\n") == std::string::npos && !text.starts_with('#') &&
+      !has_blank_end)
     return std::string(text);
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);

@@ -240,10 +240,10 @@ KeyframeFeatures read_features(const Archive& archive, size_t frame_count) {
   const auto rows = counts.values<int32_t>(2);
   const NpyArray features = archive.array(kFeaturesFile);
   const auto bytes = features.values<uint8_t>(2);
-  KeyframeFeatures read;
-  read.all.resize(features.shape()[0]);
   if (features.shape()[1] != sizeof(LocalFeature) || counts.shape()[1] != 2)
     archive.fail("features.npy does not have one row of 40 bytes per feature");
+  KeyframeFeatures read;
+  read.all.resize(features.shape()[0]);
   if (!bytes.empty()) std::memcpy(read.all.data(), bytes.data(), bytes.size());
   for (const LocalFeature& feature : read.all)
     if (!(feature.x >= 0 && feature.x <= kMaxImageSide && feature.y >= 0 &&

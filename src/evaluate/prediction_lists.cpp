@@ -57,20 +57,27 @@ bool begins_with_query(std::span<const std::string_view> cells) {
          (cells.size() > 1 && folder(cells[0]) != folder(cells[1]));
 }
 
+// A first column without a name, as pandas writes its index.
+size_t index_columns(const Rows& rows) {
+  return !rows.header().empty() && rows.header()[0].empty() ? 1 : 0;
+}
+
 // Whether lines have more references than one. Throws for a header that fits neither pairs nor
 // rankings.
 bool are_rankings(Rows& rows) {
-  const size_t named = rows.header().size();
+  const size_t index = index_columns(rows);
+  const std::span header = std::span(rows.header()).subspan(index);
+  const size_t named = header.size();
   const bool has_score = rows.has("score");
   bool found = !rows.has("reference");
   while (rows.next()) {
-    const auto cells = rows.cells();
+    const auto cells = rows.cells().subspan(index);
     const bool is_score =
         named > 0 ? has_score : cells.size() == 3 && (parse_real(cells[2]) || is_missing(cells[2]));
     found = found || cells.size() > (is_score ? 3 : 2);
   }
   const bool fits = rows.has("reference") ? named == (has_score ? 3 : 2) : named > 3 && !has_score;
-  if (named > 0 && (!fits || (found && lower_case(rows.header()[0]) != "query")))
+  if (named > 0 && (!fits || (found && lower_case(header[0]) != "query")))
     rows.fail(
         "the columns are query, reference and optionally score. Name the columns of a ranking "
         "query,reference, however many references follow");
@@ -91,7 +98,7 @@ PredictionList read_list(const fs::path& path) {
   list.are_rankings = are_rankings(rows);
   std::set<std::string_view> queries;
   while (rows.next()) {
-    const auto cells = rows.cells();
+    const auto cells = rows.cells().subspan(index_columns(rows));
     list.has_queries = list.has_queries || begins_with_query(cells);
     if (list.are_rankings && cells.size() > 1) {
       if (std::set<std::string_view>(cells.begin() + 1, cells.end()).size() + 1 < cells.size())

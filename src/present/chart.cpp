@@ -242,16 +242,25 @@ Series series_of(Meaning meaning, SeriesStyle style, SeriesMark mark) {
 }
 
 Chart in_figure(Chart chart, const FigureSettings& figure) {
-  constexpr double kUnitsPerMm = 96 / 25.4;
+  constexpr double kPixelsPerMm = 96 / 25.4;
+  constexpr double kLeastWidth = 480;  // in units, for axes, legend and curves
+  constexpr double kLeastHeight = 340;
   if (const auto& at = figure.limits; !at.empty() && chart.file.starts_with(kPrecisionRecall)) {
     chart.x.range = {at[0], at[1]};
     chart.y.range = {at[2], at[3]};
   }
   if (!figure.size_mm) return chart;
   chart.title.clear();
-  if (chart.image) return chart;
-  chart.width = std::round(figure.size_mm->first * kUnitsPerMm);
-  if (!chart.y.has_text_inside) chart.height = std::round(figure.size_mm->second * kUnitsPerMm);
+  const double width = figure.size_mm->first * kPixelsPerMm;
+  const double height = figure.size_mm->second * kPixelsPerMm;
+  if (chart.image) {
+    chart.scale = width / layout_of(chart, false).width;
+    return chart;
+  }
+  const double enlarged = std::max({1.0, kLeastWidth / width, kLeastHeight / height});
+  chart.width = std::round(width * enlarged);
+  if (!chart.y.has_text_inside) chart.height = std::round(height * enlarged);
+  chart.scale = 1 / enlarged;
   return chart;
 }
 
@@ -303,6 +312,7 @@ std::string legend_html(const Chart& chart) {
 
 std::string svg_file(const std::vector<Chart>& charts, size_t columns) {
   assert(!charts.empty() && columns > 0);
+  const double scale = charts.front().scale;
   std::string body;
   double width = 0;
   double bottom = 0;
@@ -321,15 +331,17 @@ std::string svg_file(const std::vector<Chart>& charts, size_t columns) {
     bottom = std::max(bottom, top + drawing.at.height);
   }
   return fmt::format(
-             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
-             "viewBox=\"0 0 {0:.0f} {1:.0f}\">\n<style>{2}</style>\n<rect width=\"100%\" "
+             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.6g}\" height=\"{:.6g}\" "
+             "viewBox=\"0 0 {:.0f} {:.0f}\">\n<style>{}</style>\n<rect width=\"100%\" "
              "height=\"100%\" fill=\"#fff\"/>\n",
-             std::ceil(width), std::ceil(bottom), file_style()) +
+             std::ceil(width) * scale, std::ceil(bottom) * scale, std::ceil(width),
+             std::ceil(bottom), file_style()) +
          body + "</svg>\n";
 }
 
 std::string chart_png(const std::vector<Chart>& charts, size_t columns) {
-  return png_of_svg(svg_file(charts, columns), charts.front().image ? 1 : kZoom);
+  return png_of_svg(svg_file(charts, columns),
+                    charts.front().image ? 1 / charts.front().scale : kZoom);
 }
 
 void draw_charts(const std::vector<Chart>& charts, size_t columns, const std::string& file,

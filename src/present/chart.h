@@ -146,6 +146,7 @@ struct Chart {
   double right = 0;         ///< least room on the right of the plot, as for names of bands
   double width = 900;       ///< in units of the SVG; automatic for charts with an image
   double height = 540;
+  double scale = 1;  ///< pixels per unit, in a file
 };
 
 void erase_empty_series(Chart& chart);
@@ -177,7 +178,7 @@ void draw_charts(const std::vector<Chart>& charts, size_t columns, const std::st
                  const std::filesystem::path& folder);
 
 /// Figures for a paper. `size_mm`: width and height, without a title, because papers have captions;
-/// neither images nor the height of lanes change.
+/// images keep their aspect ratio, and lanes their height.
 struct FigureSettings {
   std::optional<std::pair<double, double>> size_mm;
   std::vector<double> limits;  ///< recall from, to, precision from, to; empty: 0 to 1

@@ -116,6 +116,10 @@ std::shared_ptr<Compared> compare(Call& call, const std::vector<std::string>& te
   return made;
 }
 
+std::string json_text(const std::filesystem::path& path) {
+  return to_text(read_json(path, ErrorKind::data));
+}
+
 void save_text(const std::string& text, const std::filesystem::path& path, bool force) {
   save([&] { calls::save(force, {}, [&](Outputs& outputs) { outputs.file(path).write(text); }); });
 }
@@ -154,6 +158,7 @@ void add_evaluations(py::module_& module) {
       .def("page", &Compared::page, py::call_guard<InCall>())
       .def("latex", &Compared::latex);
   module.def("compare", compare, py::call_guard<InCall>());
+  module.def("json_text", json_text, py::call_guard<InCall>());
   module.def("save_text", save_text, py::call_guard<InCall>());
   module.def("evaluate", evaluate, py::call_guard<InCall>());
 }

@@ -96,7 +96,7 @@ void check_match(const Match& match, const Result& result, const Refuse& refuse)
                             ? std::isfinite(match.score)
                             : sum >= 0 && sum <= kMostSum && std::floor(match.score) == match.score;
   if (!is_score || match.query >= result.query_windows ||
-      match.sequence >= result.sequences.size() ||
+      match.sequence >= result.sequences.size() || !result.sequences[match.sequence].searched ||
       match.train >=
           window_count(result.sequences[match.sequence].sequence.frames, result.window_length()) ||
       (result.places && match.view >= result.places->views))

@@ -10,6 +10,7 @@
 #include "base/json_schema.h"
 #include "base/provenance.h"
 #include "database/archive.h"
+#include "query/choices.h"
 #include "recordings/sequence_json.h"
 
 namespace vpr {
@@ -341,7 +342,13 @@ QuerySettings read_query_settings(const Fields& file) {
   const std::string& method = keys.windows.windows.method;
   if (std::ranges::count(sequence_methods(), method, &SequenceMethod::name) == 0)
     file.fail(fmt::format("the method \"{}\" is unknown", method));
-  return query_of(keys);
+  SequenceQuerySettings settings = query_of(keys);
+  try {
+    check_settings(settings);
+  } catch (const Error& error) {
+    file.fail(error.what());
+  }
+  return settings;
 }
 
 StoredResult read_result(const fs::path& path, const Monitor& monitor) {

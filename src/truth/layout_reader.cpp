@@ -172,7 +172,7 @@ class LayoutReader {
     if (rows_.has("heading") && !is_missing(rows_.text("heading")))
       pose.heading_deg = rows_.real("heading");
     if (rows_.has("yaw")) pose.heading_deg = rows_.real("yaw") * 180 / std::numbers::pi;
-    if (rows_.has("roll") && rows_.has("yaw")) check_turns();
+    if (rows_.has("roll") && rows_.has("yaw")) pose.orientation = read_turns();
     if (rows_.has("qw")) pose.orientation = read_quaternion();
     if (rows_.has("m0")) pose.orientation = read_matrix();
     if (pose.orientation) pose.heading_deg.reset();
@@ -203,12 +203,13 @@ class LayoutReader {
     return matrix;
   }
 
-  void check_turns() const {
+  std::array<double, 9> read_turns() const {
     const std::array<double, 3> turns = {rows_.real("roll"), rows_.real("pitch"),
                                          rows_.real("yaw")};
     if (!are_radians(turns))
       rows_.fail("roll, pitch and yaw are {:g}, {:g} and {:g}, but radians are at most 6.28",
                  turns[0], turns[1], turns[2]);
+    return matrix_of(turns);
   }
 
   void check_lengths() const {

@@ -32,6 +32,25 @@ std::array<double, 9> matrix_of(const std::array<double, 4>& q, double length) {
           2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
 }
 
+std::array<double, 9> matrix_of(const std::array<double, 3>& turns) {
+  const auto [roll, pitch, yaw] = turns;
+  const double sr = std::sin(roll);
+  const double cr = std::cos(roll);
+  const double sp = std::sin(pitch);
+  const double cp = std::cos(pitch);
+  const double sy = std::sin(yaw);
+  const double cy = std::cos(yaw);
+  return {cy * cp,
+          cy * sp * sr - sy * cr,
+          cy * sp * cr + sy * sr,  //
+          sy * cp,
+          sy * sp * sr + cy * cr,
+          sy * sp * cr - cy * sr,  //
+          -sp,
+          cp * sr,
+          cp * cr};
+}
+
 bool is_rotation(const std::array<double, 9>& m) {
   const cv::Matx33d rows(m.data());
   const cv::Matx33d error = rows * rows.t() - cv::Matx33d::eye();

@@ -19,6 +19,9 @@ bool is_length(double length);
 /// A quaternion of this length as a matrix, row by row.
 std::array<double, 9> matrix_of(const std::array<double, 4>& q, double length);
 
+/// Roll, pitch and yaw in radians: turns about x, then y, then z of the world.
+std::array<double, 9> matrix_of(const std::array<double, 3>& turns);
+
 /// Whether the rows are orthonormal and right-handed, up to rounding.
 bool is_rotation(const std::array<double, 9>& m);
 

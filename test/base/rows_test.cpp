@@ -50,7 +50,7 @@ TEST_CASE("an unterminated quote, or one inside a cell, is refused with the line
 }
 
 TEST_CASE("a CSV field can be read back after writing") {
-  for (const std::string text : {"plain", "a,b", "say \"hi\"", "two\nlines", "", "#1"})
+  for (const std::string text : {"plain", "a,b", "say \"hi\"", "two\nlines", "", "#1", "a ", "\tb"})
     CHECK(cells_of(csv_field(text) + ",x") == "1 " + text + "|x");
 }
 

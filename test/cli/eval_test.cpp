@@ -400,7 +400,7 @@ TEST_CASE("curves and paths of all methods are on one page and in one plot") {
       "vpr-eval compare <good>.json bad.json --plot small --plot-size 85x60 --plot-limits "
       "0,1,0.3,1");
   const std::string small = read_text("small/precision-recall.svg");
-  CHECK(has(small, "width=\"321\""));
+  CHECK(has(small, "width=\"321.26\""));
   CHECK_FALSE(has(small, "2 methods on"));
 }
 

@@ -83,7 +83,7 @@ def headers():
     refused(4, 'its header "frame x y"', "vpr-eval", "check", write("words.csv", "frame x y\n0 1 0\n"), "--radius", 1)
     assert same_pairs(write("my.anchors.csv", "query,reference\n0,0\n4,4\n")) == 2  # pairs, whatever the name
     run("vpr-eval", "check", write("long.csv", "query,reference\n0,0\n"))
-    refused(4, "... (5000 characters)", "vpr-eval", "check", write("long.csv", "query,reference\n" + "9" * 5000 + ",0\n"),
+    refused(4, "... (5000 bytes)", "vpr-eval", "check", write("long.csv", "query,reference\n" + "9" * 5000 + ",0\n"),
             "--query-frames", 5, "--train-frames", 5)
     (folder / "wide.csv").write_bytes("query,reference\n0,0\n".encode("utf-16"))
     refused(3, "wide.csv: is encoded in UTF-16", "vpr-eval", "check", "wide.csv")

@@ -228,6 +228,23 @@ TEST_CASE("figures for papers have a size and limits, and no title") {
   CHECK(svg_of(in_figure(chart, {})) == svg_of(chart));
 }
 
+TEST_CASE("a small figure has room for its curves below a long legend, and an image its width") {
+  Chart chart{"timeline", "a title"};
+  for (const std::string name : {"query frame (bar: recognized)", "ground truth (width: tolerance)",
+                                 "correct best match", "incorrect best match", "ignored", "path"})
+    chart.series.push_back({name, {{0, 0}, {110, 110}}});
+  const Chart figure = in_figure(chart, {{{85, 60}}, {}});
+  CHECK(has(svg_of(figure), "width=\"321.26\" height=\"22"));
+  const ChartLayout at = layout_of(figure, false);
+  CHECK(at.area.height > 200);
+  CHECK(at.height == Approx(figure.height));
+  CHECK(at.y_ticks.size() > 2);
+  chart.image = chart_image(cv::Mat(111, 111, CV_8UC1, cv::Scalar(0)), 1);
+  chart.x.range = {0, 111};
+  chart.y.range = {111, 0};
+  CHECK(has(svg_of(in_figure(chart, {{{85, 60}}, {}})), "width=\"321.26\""));
+}
+
 TEST_CASE("invalid SVG cannot be drawn, and hostile titles are text") {
   CHECK(test::error_kind([] { png_of_svg("not an SVG", 1); }) == ErrorKind::internal);
   Chart chart{"c", "<script>alert(1)</script> & \"so\" \x01\xff"};

@@ -535,3 +535,16 @@ def test_reports_are_compared_as_by_the_program(run, walks, tmp_path):
     with pytest.raises(vpr.DataError, match="different ground truths"):
         other = vpr.evaluate(matched(walks), "aligned", tolerance=9)
         vpr.compare([reports["a"], other])
+    (tmp_path / "bytes.json").write_bytes(b"\xff")
+    (tmp_path / "list.json").write_text("[]")
+    for path, error in {"none.json": vpr.InputError, ".": vpr.InputError, "bytes.json": vpr.DataError,
+                        "list.json": vpr.DataError}.items():
+        with pytest.raises(error):
+            vpr.compare({"a": reports["a"], "b": tmp_path / path})
+
+
+def test_a_masked_array_without_masked_values_is_a_ground_truth(walks):
+    result = matched(walks)
+    truth = np.eye(len(np.load(walks / "tuesday.npy")), len(np.load(walks / "monday.npy")), dtype=bool)
+    assert vpr.evaluate(result, np.ma.masked_array(truth)).frames()["outcome"].tolist() == vpr.evaluate(
+        result, truth).frames()["outcome"].tolist()

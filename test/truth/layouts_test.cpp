@@ -334,6 +334,19 @@ TEST_CASE("a comment above the columns of EuRoC may name another order of the qu
   CHECK(found.poses[0]->orientation == std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1});
 }
 
+TEST_CASE("roll, pitch and yaw are the orientation that a quaternion states") {
+  write_text("turns.csv", "1326030975726043,1,2,3,0.3,-0.2,1.1\n1326030975826043,1,2,3,0,0,1.1\n");
+  write_text("q.txt", "1 1 2 3 0.17835891 -0.00643556 0.52695482 0.83094242\n");  // of SciPy
+  const auto read = [](const char* path) {
+    return read_layout(path, *open_start(path).layout, false).poses[0].value();
+  };
+  const Pose turns = read("turns.csv");
+  REQUIRE(turns.orientation.has_value());
+  for (size_t i = 0; i < 9; ++i)
+    CHECK((*turns.orientation)[i] == Approx((*read("q.txt").orientation)[i]).margin(1e-7));
+  CHECK_FALSE(turns.heading_deg.has_value());
+}
+
 TEST_CASE("GPS of MulRan has degrees after the time") {
   write_text("gps.csv",
              "1561000444390857630,36.38,127.36,70.2,1.96,0,0,0,1.96,0,0,0,7.84\n"

@@ -380,7 +380,7 @@ def _evaluate(function: str, result: Optional[Result], scores: Source, truth: So
                 table.to_csv(files[name], index=False)
                 files[name] += f"@0:{len(table)}" if "frame" in table and not has_frames else ""
                 continue
-            array = _vpr.array_of(value, name)
+            array = np.asarray(_vpr.array_of(value, name))
             has_pairs = not has_positions and array.shape[1:] == (2,)
             if has_pairs and array.dtype.kind == "f" and (array == array.round()).all() and (
                     array.max(initial=2 if array.size == 0 else 0) > 1):  # or labels of two training frames
@@ -471,13 +471,10 @@ def compare(reports: Any, *, progress: Progress = None, **settings: object) -> C
     named = reports.items() if isinstance(reports, Mapping) else [("", one) for one in reports]
     texts, names = [], []
     for number, (name, report) in enumerate(named):
-        if isinstance(report, Report):
-            text = report._made.text()
-        else:
-            with open(report, encoding="utf-8") as file:
-                text = file.read()
-        if name:
-            text = _json.dumps({**_json.loads(text), "name": _text(str(name))})
+        text = report._made.text() if isinstance(report, Report) else _vpr.json_text(report)
+        values = _json.loads(text)
+        if name and isinstance(values, dict):
+            text = _json.dumps({**values, "name": _text(str(name))})
         texts.append(text)
         own = f"report {number + 1}" if isinstance(report, Report) else os.fspath(report)
         names.append(_text(str(name) or own))
