@@ -220,7 +220,7 @@ void tune_fastable(Session& session, const TuneOptions& options, const SequenceK
         grid != nullptr ? *grid : sequence_grid(options.grid, settings, database, query.frames),
         resources, monitor);
     const Monitor silent = {monitor.progress, {}, monitor.stop};
-    found.filter = try_setting(database, labeled, filter, resources, silent, silent).total().path;
+    found.filter = try_setting(database, labeled, filter, resources, silent).total().path;
     if (session.prints_text() && found.filter->recognized == 0 && !found.recommendation.cell)
       found.advice = filter_advice(database, query.frames, filter, resources, silent);
     return found;

@@ -61,14 +61,14 @@ size_t best_cell(const std::vector<Query>& queries, uint64_t max_incorrect,
 
 // Counts the frames of all queries. `run`: one query with the settings of the trial.
 template <class Query, class Run>
-void run_trial(Trial& trial, const std::vector<Query>& queries, const Monitor& truth_monitor,
+void run_trial(Trial& trial, const std::vector<Query>& queries, const Monitor& monitor,
                const Run& run) {
   for (const Query& query : queries) {
     QueryRun done = run(query);
     for (const auto& [step, seconds] : done.seconds) trial.seconds += seconds;
     trial.settings = done.result.settings;  // without features that the database lacks
     const Evaluation found = evaluate_result(std::make_shared<const Result>(std::move(done.result)),
-                                             std::nullopt, query.by, truth_monitor);
+                                             std::nullopt, query.by, monitor);
     require_all_pairs(found.truth, query.by);
     trial.counts.push_back({found.judgment.localization, found.result->counts.recognitions});
   }
@@ -184,11 +184,11 @@ std::vector<uint64_t> fitting_lengths(std::vector<uint64_t> lengths,
 
 Trial try_setting(const SequenceDatabase& database, const std::vector<LabeledQuery>& queries,
                   const SequenceQuerySettings& settings, const QueryResources& resources,
-                  const Monitor& monitor, const Monitor& truth_monitor) {
+                  const Monitor& monitor) {
   const bool is_tuned = std::holds_alternative<Threshold>(settings.rule);
   Trial trial{name_of(settings), settings, is_tuned, {}, 0};
   const PreparedDatabase prepared = prepare(database, settings, resources, monitor);
-  run_trial(trial, queries, truth_monitor, [&](const LabeledQuery& query) {
+  run_trial(trial, queries, monitor, [&](const LabeledQuery& query) {
     return run_query(plan_query(prepared, query.frames, query.name, settings, resources, monitor),
                      {}, monitor);
   });
@@ -208,7 +208,7 @@ Trials try_sequences(const SequenceDatabase& database, const std::vector<Labeled
     trials.queries.back().name = query.name;
     frames.push_back(&query.frames);
   }
-  trials.all.push_back(try_setting(database, queries, default_filter(base), resources, once, once));
+  trials.all.push_back(try_setting(database, queries, default_filter(base), resources, once));
 
   const std::vector<uint64_t> lengths = fitting_lengths({10, 20, 40}, database, frames);
   const auto try_windows = [&](const Rule& rule, const Grid& grid) {
@@ -218,7 +218,7 @@ Trials try_sequences(const SequenceDatabase& database, const std::vector<Labeled
     try {
       const SequenceQuerySettings best =
           best_windows(database, queries, windows, grid, max_incorrect, resources, silent);
-      trials.all.push_back(try_setting(database, queries, best, resources, silent, silent));
+      trials.all.push_back(try_setting(database, queries, best, resources, silent));
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::usage) throw;
       warn(monitor, "A setting is not tried: {}", error.what());

@@ -38,11 +38,10 @@ struct Trials {
   std::optional<size_t> chosen;
 };
 
-/// Tries a setting on all queries. Only the first trial of a program needs warnings of the ground
-/// truth: `truth_monitor`.
+/// Tries a setting on all queries.
 Trial try_setting(const SequenceDatabase& database, const std::vector<LabeledQuery>& queries,
                   const SequenceQuerySettings& settings, const QueryResources& resources,
-                  const Monitor& monitor, const Monitor& truth_monitor);
+                  const Monitor& monitor);
 
 /// Tries the filter, z-score windows by margin, and FastABLE's raw distances by t_r, each at
 /// its best cell of a small grid (best_counts). Windows are omitted if no c_l of the grid fits, or,
