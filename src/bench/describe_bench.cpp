@@ -93,11 +93,11 @@ BenchResult bench_describe(const DescribeBenchSettings& settings,
   for (const FeatureKind kind : kinds) {
     FeatureSettings feature = settings.feature_settings;
     feature.kind = kind;
-    size_t points = 0;
-    for (const cv::Mat& frame : frames.gray) points += find_features(frame, feature).points.size();
+    int found = 0;
+    for (const cv::Mat& frame : frames.gray) found += find_features(frame, feature).rows;
     add(std::string(enum_name(kind)), [&](size_t i) { find_features(frames.gray[i], feature); });
     result.rows.back().values.emplace_back(
-        "features", static_cast<double>(points) / static_cast<double>(frames.gray.size()));
+        "features", static_cast<double>(found) / static_cast<double>(frames.gray.size()));
   }
   if (images) add_whole_sequence(result, *images, {settings.seconds}, monitor);
   return result;

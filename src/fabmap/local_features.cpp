@@ -14,25 +14,20 @@ namespace {
 
 constexpr int kSmallestSide = 16;  // OpenCV's pyramids fail for smaller images
 
-LocalFeatures find_surf(const cv::Mat& gray, const FeatureSettings& settings) {
+cv::Mat find_surf(const cv::Mat& gray, const FeatureSettings& settings) {
   const dlib::cv_image<unsigned char> image(gray);
   const auto points = dlib::get_surf_points(image, settings.surf_points, settings.surf_threshold);
-  LocalFeatures found;
-  found.descriptors.create(static_cast<int>(points.size()), 64, CV_32F);
-  for (size_t i = 0; i < points.size(); ++i) {
+  cv::Mat found(static_cast<int>(points.size()), 64, CV_32F);
+  for (size_t i = 0; i < points.size(); ++i)
     for (int d = 0; d < 64; ++d)
-      found.descriptors.at<float>(static_cast<int>(i), d) = static_cast<float>(points[i].des(d));
-    found.points.emplace_back(static_cast<float>(points[i].p.center.x()),
-                              static_cast<float>(points[i].p.center.y()));
-  }
+      found.at<float>(static_cast<int>(i), d) = static_cast<float>(points[i].des(d));
   return found;
 }
 
-LocalFeatures find_with(cv::Feature2D& detector, const cv::Mat& gray) {
+cv::Mat find_with(cv::Feature2D& detector, const cv::Mat& gray) {
   std::vector<cv::KeyPoint> points;
-  LocalFeatures found;
-  detector.detectAndCompute(gray, cv::noArray(), points, found.descriptors);
-  cv::KeyPoint::convert(points, found.points);
+  cv::Mat found;
+  detector.detectAndCompute(gray, cv::noArray(), points, found);
   return found;
 }
 
@@ -40,7 +35,7 @@ LocalFeatures find_with(cv::Feature2D& detector, const cv::Mat& gray) {
 struct KindRow {
   bool binary;
   int length;
-  LocalFeatures (*find)(const cv::Mat&, const FeatureSettings&);
+  cv::Mat (*find)(const cv::Mat&, const FeatureSettings&);
 };
 
 constexpr std::array<KindRow, 6> kKinds = {{
@@ -90,13 +85,12 @@ bool is_binary(FeatureKind kind) { return row_of(kind).binary; }
 
 int descriptor_length(FeatureKind kind) { return row_of(kind).length; }
 
-LocalFeatures find_features(const cv::Mat& gray, const FeatureSettings& settings) {
-  LocalFeatures found;
+cv::Mat find_features(const cv::Mat& gray, const FeatureSettings& settings) {
+  cv::Mat found;
   if (std::min(gray.rows, gray.cols) >= kSmallestSide)
     found = row_of(settings.kind).find(gray, settings);
-  if (found.descriptors.empty())
-    found.descriptors.create(0, descriptor_length(settings.kind),
-                             is_binary(settings.kind) ? CV_8U : CV_32F);
+  if (found.empty())
+    found.create(0, descriptor_length(settings.kind), is_binary(settings.kind) ? CV_8U : CV_32F);
   return found;
 }
 

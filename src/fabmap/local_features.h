@@ -46,21 +46,15 @@ void visit_fields(FeatureSettings& settings, Visitor&& visit) {
 /// Checks the settings of every kind. Throws Error(usage) for a value out of range.
 void check_feature_settings(const FeatureSettings& settings);
 
-/// The features of one frame: descriptors, and the position of each row.
-struct LocalFeatures {
-  /// One row per feature: CV_32F (surf 64, sift 128, kaze 64) or CV_8U (akaze 61, orb 32, brisk 64
-  /// bytes of bits). No rows if the frame has no features or is too small.
-  cv::Mat descriptors;
-  std::vector<cv::Point2f> points;
-};
-
 /// Whether descriptors are bit strings, compared by Hamming distance.
 bool is_binary(FeatureKind kind);
 
 /// Bytes (binary) or floats per descriptor.
 int descriptor_length(FeatureKind kind);
 
-/// `gray`: 8 bits, one channel. The result depends only on the image and the settings.
-LocalFeatures find_features(const cv::Mat& gray, const FeatureSettings& settings);
+/// The descriptors of one frame, one row per feature: CV_32F (surf 64, sift 128, kaze 64) or CV_8U
+/// (akaze 61, orb 32, brisk 64 bytes of bits). No rows if the frame has no features or is too
+/// small. `gray`: 8 bits, one channel. The result depends only on the image and the settings.
+cv::Mat find_features(const cv::Mat& gray, const FeatureSettings& settings);
 
 }  // namespace vpr

@@ -35,7 +35,7 @@ std::pair<Sequence, std::vector<T>> for_each_descriptors(const SequenceSource& s
   const Unreadable unreadable = skip_unreadable ? Unreadable::skip : Unreadable::fail;
   Sequence sequence = for_each_frame(source, PixelFormat::gray, unreadable, monitor,
                                      [&](size_t index, const cv::Mat& image) {
-                                       T value = make(find_features(image, settings).descriptors);
+                                       T value = make(find_features(image, settings));
                                        const std::lock_guard lock(mutex);
                                        if (index >= values.size()) values.resize(index + 1);
                                        values[index] = std::move(value);
