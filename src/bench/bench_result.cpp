@@ -81,10 +81,8 @@ void check_values(std::string_view name, const std::vector<uint64_t>& values, ui
 
 TimeSummary time_repeatedly(const Effort& effort, const std::function<void()>& work,
                             const Monitor& monitor, double units) {
-  for (size_t i = 0; i < effort.warm_ups; ++i) {
-    check_stop(monitor);
-    work();
-  }
+  check_stop(monitor);
+  work();
   std::vector<double> times_ms;
   const Stopwatch all;
   while (times_ms.size() < effort.repetitions ||

@@ -36,7 +36,6 @@ struct Effort {
   double seconds = 0.5;    ///< at least this time, ...
   size_t repetitions = 5;  ///< ... and at least this number of repetitions, ...
   size_t most = 10'000;    ///< ... but at most this number
-  size_t warm_ups = 1;     ///< untimed runs at the beginning
 };
 
 /// Throws Error(usage) unless the time of a measurement is above 0 and at most one hour.
@@ -46,8 +45,8 @@ void check_seconds(double seconds);
 void check_values(std::string_view name, const std::vector<uint64_t>& values, uint64_t low,
                   uint64_t high);
 
-/// The time of `work`, which processes `units` units, per unit. Stops between runs if the user
-/// wants to stop.
+/// The time of `work`, which processes `units` units, per unit. The first run is not timed. Stops
+/// between runs if the user wants to stop.
 TimeSummary time_repeatedly(const Effort& effort, const std::function<void()>& work,
                             const Monitor& monitor, double units = 1);
 
