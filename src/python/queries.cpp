@@ -14,20 +14,16 @@ namespace {
 using calls::DatabasePointer;
 using calls::ResultPointer;
 
-ResultPointer query_of(Call& call, QueryCommand command, const DatabasePointer& database,
-                       const QueryInputs& inputs) {
-  ResultPointer made;
-  call.run([&](const Monitor& monitor) {
-    made = calls::query(call.keywords, command, database, inputs, monitor);
-  });
-  return made;
-}
-
 // Without a database: windows of loops.
 ResultPointer query(Call& call, const DatabasePointer& database, const std::string& name,
                     const Source& source, bool is_loop) {
   const NamedArgument query = arguments_of({{name, source}}, "query").front();
-  return query_of(call, is_loop ? QueryCommand::loops : QueryCommand::query, database, {query});
+  const QueryCommand command = is_loop ? QueryCommand::loops : QueryCommand::query;
+  ResultPointer made;
+  call.run([&](const Monitor& monitor) {
+    made = calls::query(call.keywords, command, database, {query}, monitor);
+  });
+  return made;
 }
 
 ResultPointer load(const Call& call, const std::filesystem::path& path) {
