@@ -60,6 +60,18 @@ Match likeliest_view(size_t frame, std::span<const double> posterior,
   return {static_cast<uint32_t>(frame), 0, place_of[view], view, *best};
 }
 
+// The database of a query with `loop`: every query frame is a place, after those of `database`.
+FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& query,
+                          const std::string& query_name) {
+  FabmapDatabase extended = database;
+  ViewGroup group{query.sequence};
+  group.sequence.name = query_name;
+  group.sequence.frame_names.resize(query.sequence.frames);
+  add_group(extended, group, query.words);
+  index_views(extended);
+  return extended;
+}
+
 // The number of views that a frame may match: with `loop`, query frames before the gap only.
 size_t known_views(const FabmapDatabase& searched, size_t query_frames, size_t frame,
                    const FabmapQuerySettings& settings) {
@@ -192,17 +204,6 @@ void append_recognitions(std::vector<Match>& recognitions, size_t frame,
     if (!is_new && match.score > entry->second.score) entry->second = match;
   }
   for (const auto& [place, match] : found) recognitions.push_back(match);
-}
-
-FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& query,
-                          const std::string& query_name) {
-  FabmapDatabase extended = database;
-  ViewGroup group{query.sequence};
-  group.sequence.name = query_name;
-  group.sequence.frame_names.resize(query.sequence.frames);
-  add_group(extended, group, query.words);
-  index_views(extended);
-  return extended;
 }
 
 QueryRun query_fabmap(const FabmapDatabase& database, const SequenceWords& query,

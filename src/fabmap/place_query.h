@@ -38,10 +38,6 @@ void append_recognitions(std::vector<Match>& recognitions, size_t frame,
                          std::span<const double> posterior, const ViewWindow& window,
                          uint64_t window_length, const std::vector<uint32_t>& place_of);
 
-/// The database of a query with `loop`: every query frame is a place, after those of `database`.
-FabmapDatabase with_query(const FabmapDatabase& database, const SequenceWords& query,
-                          const std::string& query_name);
-
 /// Recognizes every frame of the query in order. An unreadable frame and a frame without words have
 /// no best match and no recognition, and interrupt a window of c_w frames. Throws Error(usage) for
 /// settings out of range, or a database without places unless `loop`.
