@@ -173,8 +173,7 @@ void compare_reports(ComparisonReport& comparison, const Monitor& monitor) {
     for (const size_t k : comparison.settings.recall_at)
       for (size_t m = 0; m < rank_metrics().size(); ++m)
         if (const Outcomes& outcomes = report.frames.outcomes;
-            !rank_metrics()[m].needs_all_ranks &&
-            (k == 1 || (outcomes.has_ranks && rank_metrics()[m].is_known_at(outcomes, k))))
+            !rank_metrics()[m].needs_all_ranks && rank_metrics()[m].is_known_at(outcomes, k))
           report.metrics.ranks[m][k] = rank_value({&rank_metrics()[m], k}, outcomes);
   if (compare_ground_truths(comparison.reports) == GroundTruths::of_places_and_frames)
     comparison.settings.omit_disputed = true;
