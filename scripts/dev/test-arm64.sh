@@ -35,7 +35,7 @@ if [[ ! -d $root ]]; then
 fi
 
 programs=(vpr-train vpr-query vpr-eval vpr-tune vpr-bench vpr-synth)
-tests=(base synth describe store fabmap match decide)
+tests=(base recordings truth synth database match query evaluate fabmap tune loops golden)
 cmake --preset arm64 >/dev/null
 cmake --build --preset arm64 --target "${programs[@]}" "${tests[@]/#/test_}" test_real_data
 ctest --preset arm64 -R "^($(IFS='|'; echo "${tests[*]}"))\$"
