@@ -44,8 +44,8 @@ Outcomes outcomes_by_keyframe(const Result& result, Outcomes outcomes, const Gro
     const size_t end = keyframe + 1 < starts.size()
                            ? starts[keyframe + 1]
                            : result.sequences[one.best->sequence].sequence.frames;
-    for (size_t frame = starts[keyframe]; frame < end; ++frame)
-      if (truth.label(one.frame, one.best->sequence, frame) == PlaceLabel::same)
+    for (const LabelStretch& run : label_runs(truth, one.frame, one.best->sequence, end))
+      if (run.label == PlaceLabel::same && run.last >= starts[keyframe])
         one.verdict = Verdict::correct;
   }
   outcomes.queries = std::move(found);
