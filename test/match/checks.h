@@ -1,8 +1,10 @@
 // Checks that hold for every kind of descriptor, and the cells of a match.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -21,11 +23,10 @@ namespace vpr::test {
 inline RowConsumer collecting(Cells& cells, std::mutex& mutex) {
   return [&](const ScoreRow& row) {
     const std::lock_guard lock(mutex);
+    const size_t before = cells.size();
     for (size_t x = 0; x < row.scores.size(); ++x)
-      REQUIRE(
-          cells
-              .emplace(CellKey{row.query_window, row.sequence, row.train_window + x}, row.scores[x])
-              .second);
+      cells.emplace(CellKey{row.query_window, row.sequence, row.train_window + x}, row.scores[x]);
+    REQUIRE(cells.size() == before + row.scores.size());
   };
 }
 
@@ -34,6 +35,29 @@ inline Cells cells_of(const FrameDistances& distances, const MatchSettings& sett
   std::mutex mutex;
   match(distances, settings, {{collecting(cells, mutex)}}, {});
   return cells;
+}
+
+/// The cells of large sets as a matrix: query windows x train windows, one sequence after the
+/// other; kNoCell where no cell arrives. Each cell must arrive once.
+inline std::vector<uint32_t> matrix_of(const FrameDistances& distances,
+                                       const MatchSettings& settings, size_t query_windows,
+                                       const std::vector<size_t>& train_windows) {
+  std::vector<size_t> columns = {0};  // the first one of each sequence, then their number
+  for (const size_t windows : train_windows) columns.push_back(columns.back() + windows);
+  std::vector<uint32_t> matrix(query_windows * columns.back(), kNoCell);
+  std::mutex mutex;
+  const auto collect = [&](const ScoreRow& row) {
+    const std::lock_guard lock(mutex);
+    const size_t column = columns[row.sequence] + row.train_window;
+    REQUIRE(row.query_window < query_windows);
+    REQUIRE(column + row.scores.size() <= columns[row.sequence + 1]);
+    const auto cells =
+        std::span(matrix).subspan(row.query_window * columns.back() + column, row.scores.size());
+    REQUIRE(std::ranges::all_of(cells, [](uint32_t score) { return score == kNoCell; }));
+    std::ranges::copy(row.scores, cells.begin());
+  };
+  match(distances, settings, {{collect}}, {});
+  return matrix;
 }
 
 inline MatchSettings by_method(const SequenceMethod& method, size_t length,

@@ -36,6 +36,22 @@ Cells reference_cells(const Example& example, size_t length) {
   return cells;
 }
 
+// All cells by the recurrence, as test::matrix_of returns them.
+std::vector<uint32_t> reference_matrix(const Example& example, size_t length) {
+  std::vector<std::vector<uint32_t>> sequences;
+  for (const std::vector<LdbCode>& train : example.train)
+    sequences.push_back(test::reference_fastable(train, example.query, length));
+  std::vector<uint32_t> matrix;
+  for (size_t j = 0; j + length <= example.query.size(); ++j)
+    for (size_t s = 0; s < example.train.size(); ++s)
+      for (size_t i = 0, windows = example.train[s].size() + 1 - length; i < windows; ++i)
+        matrix.push_back(touches(example.query_unreadable, j, length) ||
+                                 touches(example.train_unreadable[s], i, length)
+                             ? kNoCell
+                             : sequences[s][j * windows + i]);
+  return matrix;
+}
+
 Cells found_by(const Example& example, const SequenceMethod& method, size_t length, size_t memory) {
   const std::vector<DescribedFrames> spans = example.spans();
   return test::cells_of(frame_distances(spans, {example.query, example.query_unreadable}),
@@ -112,13 +128,17 @@ TEST_CASE("sets larger than a chunk, a strip and a tile have the same cells, for
   Example example = make_example({5000, 700, 3001}, 150, 4);
   example.train_unreadable[0] = {2047, 2048, 4095};
   example.query_unreadable = {63};
+  const std::vector<DescribedFrames> spans = example.spans();
   for (const size_t length : {1, 7, 64}) {
-    const Cells expected = reference_cells(example, length);
+    const std::vector<uint32_t> expected = reference_matrix(example, length);
+    const std::vector<size_t> windows = {5001 - length, 701 - length, 3002 - length};
     for (const size_t threads : {1, 2, 5}) {
       const ThreadLimit limit(threads);
       for (const SequenceMethod& method : exact_methods())
         for (const size_t memory : {size_t{1} << 30, size_t{0}})
-          REQUIRE(found_by(example, method, length, memory) == expected);
+          REQUIRE(test::matrix_of(frame_distances(spans, {example.query, example.query_unreadable}),
+                                  test::by_method(method, length, memory), 151 - length,
+                                  windows) == expected);
     }
   }
 }
