@@ -51,10 +51,10 @@ def frames_of(text):
 
 def check(name, result, truth):
     """`result`: the words that name it for vpr-eval."""
-    run("vpr-eval", *result, *truth, "--name", name, "-o", f"{name}.report.json", "--quiet")
+    text = " ".join(run("vpr-eval", *result, *truth, "--name", name, "-o", f"{name}.report.json", "--outcomes-csv",
+                        f"{name}.outcomes.csv").split())
     report = read_json(f"{name}.report.json")
     numbers, frames = of_report(report)
-    text = " ".join(run("vpr-eval", *result, *truth).split())
     if result[0] != "matrix":
         stated = re.search(r"correct in ([0-9]+) of ([0-9]+) frames", text)
         assert stated[1] == str(report["best_match"]["correct"]) and stated[2] == str(frames), text
@@ -68,9 +68,7 @@ def check(name, result, truth):
     assert len(rows) == 1 and rows[0]["of frames"] == str(frames), rows
     precise = (rows[0].get(column) for column in NAMES[:3])
     assert cells(float(value) if value else None for value in precise) == numbers[:3], rows
-    outcomes = f"{name}.outcomes.csv"
-    run("vpr-eval", *result, *truth, "--outcomes-csv", outcomes, "--quiet")
-    per_frame = list(csv.DictReader((folder / outcomes).open()))
+    per_frame = list(csv.DictReader((folder / f"{name}.outcomes.csv").open()))
     assert len(per_frame) == len(report["outcomes"]["best"]), per_frame[:2]
     return numbers, frames
 
