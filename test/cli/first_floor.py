@@ -95,10 +95,8 @@ def check_unlabeled():
     return written
 
 
-def check_labeled(before):
-    """Answers of c_l 80 are counted; they also cause the experiment to be repeated."""
-    places = answer_all(80)
-    written, _ = run_floor()
+def check_labeled(before, written, places):
+    """Answers of c_l 80 are counted."""
     found = numbers(written, 80)
     sizes = [sum(place["recognitions"].values()) for place in places]
     # An answer stands for the part of a long place around it.
@@ -134,11 +132,9 @@ def mark_places():
     return passed
 
 
-def check_marked():
+def check_marked(written, messages, passed):
     """FAB-MAP is measured on the places that a person marked."""
-    passed = mark_places()
     assert 4 < passed < 2 * len(description["train"]), passed
-    written, messages = run_floor()
     found = [{cell["measure"]: cell["ours"] for cell in written["cells"] if cell.get("c_w") == c_w} for c_w in (1, 3)]
     assert all(row["places on the path"] == passed for row in found), found
     assert 0 < max(row["distinct"] for row in found) <= passed, found
@@ -154,5 +150,8 @@ assert queries == {"Test1": "SP_PUT_CM_1_test/Test1", "Test2": "SP_PUT_CM_1_test
 description = fetch(pack(rendered, has_subfolders=False))
 assert description["queries"] == [{"name": "query", "sequence": "SP_PUT_CM_1_test"}], description
 assert len(description["train"]) == 14, description["train"]
-check_labeled(check_unlabeled())
-check_marked()
+unlabeled = check_unlabeled()
+places, passed = answer_all(80), mark_places()
+labeled, messages = run_floor()  # repeated, because there are answers and marks
+check_labeled(unlabeled, labeled, places)
+check_marked(labeled, messages, passed)
