@@ -52,6 +52,8 @@ claim "FastABLE (c_l 20, t_r 0.7): 19 of 40, 0 wrong" \
   "19 of 40 frames recognized, all correctly" judge --c-l 20 --t-r 0.7
 claim "z-score windows (c_l 20): 15 of 40, 0 wrong" \
   "15 of 40 frames recognized, all correctly" judge --c-l 20 --score zscore --decide margin
+claim "a sweep of windows names the filter's numbers" "the filter, recognizes 40 correctly and 0 incorrectly" \
+  vpr-tune fastable corridor.vprdb --query tuesday --ground-truth pairs.csv
 claim "half the speed: 80 of 80 frames, 0 wrong" "80 of 80 frames recognized, all correctly" judge --speed 0.5
 claim "1.5 times the speed: none, the lap is too short" "None of 27 frames recognized" judge --speed 1.5
 claim "the way back: none, and the query says so" "opposite direction" query --query tuesday --speed reversed

@@ -221,8 +221,6 @@ void visit_fields(ResultContent& content, Visitor&& visit) {
 // Checks what the types of fields do not imply.
 void check_content(const Result& result, const JsonSource& source) {
   const size_t length = result.window_length();
-  const size_t longest = result.score().longest_window;
-  if (length == 0 || (longest > 0 && length > longest)) source.fail("its c_l is out of range");
   check_sequence(result.query, kMostFrames, source);
   if (result.query_windows != window_count(result.query.frames, length))
     source.fail("its numbers of windows and frames do not fit");

@@ -250,6 +250,8 @@ std::shared_ptr<Judged> evaluate(Keywords& keywords,
     visit("threshold", settings.threshold);
   }};
   keywords.read(by, own);
+  if (train_frames == 0 && keywords.values.contains("train_frames"))
+    throw Error(ErrorKind::usage, "train_frames must be at least 1, found 0");
   check_evaluation(by);
   if (truth) by.ground_truth = argument;
   const auto evaluate_input = [&] {

@@ -90,6 +90,8 @@ TEST_CASE("lists of pairs have ranks, and those with scores have scores") {
   const List table("query,reference,score\n\"q/c.jpg\",db/left/2.jpg,-3e-1\n", "list.csv");
   CHECK(rows_of(table.matrix(ScoreOrder::distance)) == " - - - - | - - - - | - -0.3 - -");
   CHECK(rows_of(List("0 2\n2 1\n").matrix({}, {}, {})) == " - - 1 | - - - | - 1 -");
+  const List of_pandas(",query,reference\n0,0,2\n1,2,1\n", "pandas.csv");
+  CHECK(rows_of(of_pandas.matrix({}, {}, {})) == " - - 1 | - - - | - 1 -");
 }
 
 TEST_CASE("rankings begin with the query, or are refused") {
@@ -97,6 +99,7 @@ TEST_CASE("rankings begin with the query, or are refused") {
   CHECK(rows("0 0 2 1\n1 1 0\n") == " 1 3 2 | 2 1 -");  // a query among its references
   CHECK(rows("query,reference\n0,2,1\n1,0,1\n") == " - 2 1 | 1 2 -");
   CHECK(rows("query,a,b,c\n0,2,1,0\n1,0,1,\n") == " 3 2 1 | 1 2 -");
+  CHECK(rows(",query,a,b,c\n7,0,2,1,0\n8,1,0,1,\n") == " 3 2 1 | 1 2 -");  // of pandas
   const auto error = [&](const std::string& text) { return test::error_text([&] { rows(text); }); };
   CHECK(test::has(error("0 1 2 3\n1 0 2 3\n"), "line 1: cannot tell whether"));
   CHECK(test::has(error("query reference\n0 1 2 3\n0 2 1 3\n"), "line 3: 0 has a line before"));

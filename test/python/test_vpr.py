@@ -341,6 +341,7 @@ def masked():
     (lambda db, walks: vpr.Live(db).add(""), "UsageError"),
     (lambda db, walks: vpr.evaluate(vpr.query(db, descriptors=walks / "tuesday.npy"), ""), "UsageError"),
     (lambda db, walks: vpr.evaluate_scores(np.eye(9), "aligned", train_frames=20), "UsageError"),
+    (lambda db, walks: vpr.evaluate_scores(np.eye(9, dtype=int), "aligned", train_frames=0), "UsageError"),
     (lambda db, walks: vpr.query(db, "x", descriptors=np.eye(64)), "UsageError"),
     (lambda db, walks: vpr.query(db, descriptors=np.eye(64), c_l=5, t_r=np.nan), "UsageError"),
     (lambda db, walks: vpr.evaluate_scores(np.eye(9), None), "UsageError"),

@@ -106,6 +106,8 @@ TEST_CASE("modified results are refused without a crash") {
   for (const auto& [pointer, value] :
        std::vector<std::pair<std::string, Json>>{{"/settings/c_l", 0},
                                                  {"/settings/c_l", 3},
+                                                 {"/settings/t_r", -1},
+                                                 {"/sequences/0/searched", false},
                                                  {"/settings/method", "fastabel"},
                                                  {"/query/windows", 5},
                                                  {"/query/frames", -1},
@@ -129,6 +131,17 @@ TEST_CASE("modified results are refused without a crash") {
     INFO(pointer);
     CHECK(broken(pointer, value) == ErrorKind::data);
   }
+}
+
+TEST_CASE("a result of z-scores whose windows are too long for them is refused") {
+  Result result = example_result();
+  result.settings = SequenceQuerySettings{Margin{{.window_length = 65537, .score = Score::zscore}}};
+  result.recognitions.clear();
+  result.best.clear();
+  result.clusters.reset();
+  result.query.frames = 65540;
+  write("r.json", result, Existing::replace);
+  CHECK(has(error_text([] { read_result("r.json"); }), "c_l must be at most 65536"));
 }
 
 TEST_CASE("a result with modified text is refused, except in machine and timing") {
