@@ -188,8 +188,7 @@ TEST_CASE("rendered corridors have the detail and the similarity of real ones") 
     cv::Mat gray;
     cv::cvtColor(picture, gray, cv::COLOR_BGR2GRAY);
     codes.push_back(describe_ldb(gray));
-    if (i % 8 == 0)
-      features.push_back(static_cast<double>(find_features(gray, FeatureSettings()).points.size()));
+    if (i % 8 == 0) features.push_back(find_features(gray, FeatureSettings()).rows);
   }
   for (size_t i = 1; i < codes.size(); ++i) {
     int bits = 0;
