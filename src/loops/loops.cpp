@@ -42,7 +42,7 @@ size_t frame_of_index(const Rows& rows, std::string_view column, size_t frames) 
 // The unit in which the first time of a list is nearest to a pose; on a tie, the unit by its size.
 std::optional<TimeUnit> unit_in(Rows& rows, const Trajectory& trajectory) {
   std::optional<TimeUnit> best;
-  if (!rows.next() || trajectory.times_ns.empty()) return best;
+  if (!rows.next()) return best;
   const std::string_view text = rows.text("query");
   int64_t least = 0;
   for (const auto unit :
