@@ -152,7 +152,7 @@ Json comparison_json(const ComparisonReport& comparison) {
   file.ground_truths = compare_ground_truths(comparison.reports);
   file.frames = {found.frames.size(), found.with_match, found.disputed,
                  comparison.settings.only_common};
-  file.bootstrap = {found.block, comparison.settings.resamples, 0.95};
+  file.bootstrap = {found.block, comparison.settings.resamples};
   for (const ComparedValue& value : found.values) {
     const auto [low, high] = ends_of(value.interval);
     const auto [own_low, own_high] = ends_of(value.own);
