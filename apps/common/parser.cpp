@@ -352,13 +352,13 @@ bool Parser::parse(int argc, char** argv) {
     return true;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app_->exit(error), false;  // -h, --help, --version
+    const std::vector<std::string> extra = app_->remaining(true);
+    if (!extra.empty() && extra.front().empty())
+      throw Error(ErrorKind::usage, "an argument is empty. Is a variable of the shell unset?");
     if (const auto unknown = unknown_word(describe(), words))
       throw Error(ErrorKind::usage, *unknown);
     std::string path = app_->get_name();
     for (const CLI::App* command : app_->get_subcommands()) path += " " + command->get_name();
-    const std::vector<std::string> extra = app_->remaining(true);
-    if (!extra.empty() && extra.front().empty())
-      throw Error(ErrorKind::usage, "an argument is empty. Is a variable of the shell unset?");
     if (!extra.empty() && extra.front().starts_with('-')) {
       // Of -version, -v is a flag and -ersion remains.
       const auto typed = std::ranges::find_if(words, [&](const std::string& word) {

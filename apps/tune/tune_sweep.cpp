@@ -54,7 +54,7 @@ std::vector<double> parse_part(std::string_view part, const std::string& flag) {
   const double last = parse_number(range[1], flag);
   const double step = range.size() > 2 ? parse_number(range[2], flag) : 1;
   const double count = std::floor((last - first) / step + 1e-9);
-  if (range.size() > 3 || !(step > 0) || !(last >= first) || count > kMostValues)
+  if (range.size() > 3 || !(step > 0) || !(last >= first) || count >= kMostValues)
     throw Error(ErrorKind::usage,
                 "{}: a range is FIRST:LAST:STEP with at most {:.0f} values, found \"{}\"", flag,
                 kMostValues, part);

@@ -233,7 +233,9 @@ std::optional<CountsByKeyframe> count_by_keyframe(const Result& result, const Gr
   for (const QueryOutcome& query : outcomes.queries) {
     if (!query.has_match) continue;
     LabelCounts& labels = queries[keyframe_of(query_keyframes, query.frame)];
-    ++(query.verdict == Verdict::correct ? labels.correct : labels.incorrect);
+    ++(query.verdict == Verdict::correct   ? labels.correct
+       : query.verdict == Verdict::ignored ? labels.ignored
+                                           : labels.incorrect);
   }
   double sum = 0;
   for (const auto& [query, labels] : queries) {

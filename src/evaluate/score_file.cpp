@@ -50,7 +50,7 @@ bool look_like_indices(const ScoreFile& file) {
 }  // namespace
 
 void warn_of_indices(const ScoreFile& scores, const Monitor& monitor) {
-  if (scores.may_be_indices())
+  if (look_like_indices(scores) && scores.score_bytes() >= 4)  // as libraries return them
     warn(monitor,
          "{}: every row has different integers, some not below the number of columns, {}. If "
          "they are indices of references, evaluate them with vpr-eval matrix and --train-frames, "
@@ -75,7 +75,6 @@ ScoreFile::ScoreFile(std::shared_ptr<const NpyArray> array, const std::string& n
   is_query_major_ = array_->is_column_major() == format.train_first;
   if (std::max(queries_, references_) > std::numeric_limits<int32_t>::max())
     throw Error(ErrorKind::data, "{}: has more than 2^31 rows or columns", name_);
-  may_be_indices_ = look_like_indices(*this) && type_->bytes >= 4;  // as libraries return them
 }
 
 void ScoreFile::read(size_t index, size_t stride, size_t count, double* scores) const {

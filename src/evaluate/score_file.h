@@ -38,8 +38,8 @@ class ScoreFile {
   bool is_query_major() const { return is_query_major_; }
   /// Whether all scores are integers by their type.
   bool is_whole() const { return type_->is_whole; }
-  /// Whether the scores look like indices of references, the best ones of each query.
-  bool may_be_indices() const { return may_be_indices_; }
+  /// Bytes per score.
+  size_t score_bytes() const { return type_->bytes; }
 
   /// Writes the scores of one query to all references; NaN for missing scores. Thread-safe. Throws
   /// Error(data) for integers beyond 2^53, which double cannot represent exactly.
@@ -61,12 +61,12 @@ class ScoreFile {
   std::shared_ptr<const NpyArray> array_;
   const NumberType* type_ = nullptr;
   bool is_query_major_ = true;
-  bool may_be_indices_ = false;
   size_t queries_ = 0;
   size_t references_ = 0;
 };
 
-/// Warns if the scores may be indices.
+/// Warns if the scores may be indices of references, the best ones of each query. Throws
+/// Error(data) if every row has the integers 0, 1, ... once.
 void warn_of_indices(const ScoreFile& scores, const Monitor& monitor);
 
 }  // namespace vpr

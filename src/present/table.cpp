@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -270,6 +271,7 @@ Table joined_tables(const std::vector<std::pair<std::string, Table>>& tables) {
   joined.best.clear();
   joined.title.clear();
   joined.notes.clear();
+  std::set<std::string_view> parts;  // of the title, each once
   for (const auto& [name, table] : tables)
     for (const auto& row : table.rows)
       if (std::ranges::none_of(joined.rows, [&](const auto& one) { return one[0] == row[0]; }))
@@ -291,8 +293,8 @@ Table joined_tables(const std::vector<std::pair<std::string, Table>>& tables) {
       for (size_t c = 1; c < table.columns.size(); ++c)
         if (table.best.contains({own, c})) joined.best.insert({r, first + c - 1});
     }
-    for (const std::string_view part : split(table.title, ';'))  // each once
-      if (joined.title.find(part) == std::string::npos) {
+    for (const std::string_view part : split(table.title, ';'))
+      if (parts.insert(part).second) {
         if (!joined.title.empty()) joined.title += part.starts_with(' ') ? ";" : "; ";
         joined.title += part;
       }

@@ -35,6 +35,9 @@ TEST_CASE("tables side by side have groups of columns, and a row for each name")
         "c       -  -   5\n"
         "* the best\n"
         "long name: b: late\n");
+  const Table all = {"all: sums", {"method", "R"}, {{"a", "1"}}};
+  const Table hall = {"hall: sums", {"method", "R"}, {{"a", "1"}}};
+  CHECK(joined_tables({{"hall", hall}, {"all", all}}).title == "hall: sums; all: sums");
   CHECK(render_table(both, TableFormat::csv) ==
         "method,one R,one S,long name R\na,1,2,-\nb,3,4,6\nc,-,-,5\n");
   CHECK(test::has(render_table(both, TableFormat::latex),
