@@ -260,7 +260,7 @@ Chart in_figure(Chart chart, const FigureSettings& figure) {
   const double enlarged = std::max({1.0, kLeastWidth / width, kLeastHeight / height});
   chart.width = std::round(width * enlarged);
   if (!chart.y.has_text_inside) chart.height = std::round(height * enlarged);
-  chart.scale = 1 / enlarged;
+  chart.scale = width / chart.width;
   return chart;
 }
 

@@ -216,7 +216,7 @@ TEST_CASE("figures for papers have a size and limits, and no title") {
   const std::string svg = svg_of(figure);
   CHECK(has(svg, "width=\"480\" height=\"240\""));
   CHECK_FALSE(has(svg, "a title"));
-  CHECK(has(svg, ">0.5<"));
+  CHECK(has(svg, ">0.6<"));
   CHECK_FALSE(has(svg, ">0<"));
   const ChartLayout at = layout_of(figure, false);
   CHECK(at.x.from == 0.25);
