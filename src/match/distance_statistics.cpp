@@ -70,7 +70,8 @@ struct TileSums {
     for (size_t x = from; x < to; ++x) {
       const uint32_t distance = distances[x];
       sum[x] += distance;
-      squares[x] += uint64_t{distance * distance};
+      const uint32_t square = distance * distance;  // of 16 bits, so that it fits
+      squares[x] += square;
     }
   }
 };

@@ -341,7 +341,7 @@ std::string svg_file(const std::vector<Chart>& charts, size_t columns) {
 
 std::string chart_png(const std::vector<Chart>& charts, size_t columns) {
   return png_of_svg(svg_file(charts, columns),
-                    charts.front().image ? 1 / charts.front().scale : kZoom);
+                    (charts.front().image ? 1 : kZoom) / charts.front().scale);
 }
 
 void draw_charts(const std::vector<Chart>& charts, size_t columns, const std::string& file,
