@@ -166,11 +166,16 @@ std::string wrapped_command(const std::vector<std::string>& words) {
   return text;
 }
 
+size_t letter_start(std::string_view text, size_t at) {
+  while (at > 0 && (static_cast<uint8_t>(text[at]) & 0xc0) == 0x80) --at;
+  return at;
+}
+
 std::string shortened(std::string_view text) {
-  size_t kept = 60;
-  if (text.size() <= kept) return printable_line(text);
-  while (kept > 0 && (static_cast<uint8_t>(text[kept]) & 0xc0) == 0x80) --kept;  // inside a letter
-  return fmt::format("{}... ({} bytes)", printable_line(text.substr(0, kept)), text.size());
+  constexpr size_t kShown = 60;
+  if (text.size() <= kShown) return printable_line(text);
+  const std::string shown = printable_line(text.substr(0, letter_start(text, kShown)));
+  return fmt::format("{}... ({} bytes)", shown, text.size());
 }
 
 std::string counted(uint64_t count, std::string_view noun, std::string_view plural) {

@@ -62,6 +62,9 @@ std::string printable_line(std::string_view text);
 /// formed with s.
 std::string counted(uint64_t count, std::string_view noun, std::string_view plural = {});
 
+/// The largest position up to `at` where a letter of UTF-8 starts; `at` is below the size.
+size_t letter_start(std::string_view text, size_t at);
+
 /// A value of the user for a message: at most 60 bytes of it.
 std::string shortened(std::string_view text);
 

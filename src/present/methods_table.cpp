@@ -239,9 +239,7 @@ std::string short_text(Table table, bool is_terminal) {
   const size_t kLongestName = is_terminal ? 22 : std::string::npos;
   for (auto& row : table.rows) {
     if (row[0].size() <= kLongestName) continue;
-    size_t cut = kLongestName - 3;
-    while (cut > 0 && (row[0][cut] & 0xc0) == 0x80) --cut;  // not within a letter in UTF-8
-    row[0] = row[0].substr(0, cut) + "...";
+    row[0] = row[0].substr(0, letter_start(row[0], kLongestName - 3)) + "...";
   }
   const std::string title = wrapped_line(printable_line(std::exchange(table.title, "")), 80, 2);
   return (title.empty() ? "" : title + "\n") + render_table(table, TableFormat::text);
