@@ -34,21 +34,16 @@ std::array<double, 9> matrix_of(const std::array<double, 4>& q, double length) {
 
 std::array<double, 9> matrix_of(const std::array<double, 3>& turns) {
   const auto [roll, pitch, yaw] = turns;
-  const double sr = std::sin(roll);
-  const double cr = std::cos(roll);
-  const double sp = std::sin(pitch);
-  const double cp = std::cos(pitch);
-  const double sy = std::sin(yaw);
-  const double cy = std::cos(yaw);
-  return {cy * cp,
-          cy * sp * sr - sy * cr,
-          cy * sp * cr + sy * sr,  //
-          sy * cp,
-          sy * sp * sr + cy * cr,
-          sy * sp * cr - cy * sr,  //
-          -sp,
-          cp * sr,
-          cp * cr};
+  const cv::Matx33d about_x(1, 0, 0,                             //
+                            0, std::cos(roll), -std::sin(roll),  //
+                            0, std::sin(roll), std::cos(roll));
+  const cv::Matx33d about_y(std::cos(pitch), 0, std::sin(pitch),  //
+                            0, 1, 0,                              //
+                            -std::sin(pitch), 0, std::cos(pitch));
+  const cv::Matx33d about_z(std::cos(yaw), -std::sin(yaw), 0,  //
+                            std::sin(yaw), std::cos(yaw), 0,   //
+                            0, 0, 1);
+  return std::to_array((about_z * about_y * about_x).val);
 }
 
 bool is_rotation(const std::array<double, 9>& m) {
