@@ -33,8 +33,8 @@ static_assert(sizeof(LocalFeature) == 40 && std::is_trivially_copyable_v<LocalFe
 /// The number of features of a frame, at most.
 inline constexpr size_t kMostFeatures = 150;
 
-/// A gray image at the size at which features are found: reduced by the integer that brings the
-/// longer side nearest to 320 pixels. May share the pixels of `gray`.
+/// A gray image at the size at which features are found: reduced by the integer nearest to the
+/// longer side / 320 pixels. May share the pixels of `gray`.
 cv::Mat working_image(const cv::Mat& gray);
 
 /// The strongest features of a working image, in an order that depends on the image only. None for

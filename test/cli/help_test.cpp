@@ -30,7 +30,7 @@ const std::string& printed(const std::string& command) {
 }
 
 void check_help(const std::string& program, const std::string& command) {
-  const std::string& help = printed(program + command + " --help");
+  const std::string help = printed(program + command + " --help");
   const std::string brief = run_ok(program + command + " -h").out;
   const Words short_lines = lines_of(brief);
   INFO(brief << help);
@@ -100,7 +100,7 @@ TEST_CASE("help wraps between words, and examples can be pasted into a shell") {
 }
 
 TEST_CASE("the help of a command has its own examples, without those of its program") {
-  const std::string& help = printed("vpr-eval compare --help");
+  const std::string help = printed("vpr-eval compare --help");
   const size_t example = help.find("\nExample:\n");
   REQUIRE(example != std::string::npos);
   CHECK(help.find("Example:\n", example + 2) == std::string::npos);
@@ -110,9 +110,9 @@ TEST_CASE("the help of a command has its own examples, without those of its prog
 
 TEST_CASE("completions and manual pages of every program contain all its flags") {
   for (const auto& [program, commands] : kPrograms) {
-    const std::string& help = printed(program + " --help");
+    const std::string help = printed(program + " --help");
     for (const std::string kind : {"bash", "zsh", "fish", "man"}) {
-      const std::string& text = printed(program + " --completion " + kind);
+      const std::string text = printed(program + " --completion " + kind);
       for (size_t at = 0; (at = help.find("\n  --", at)) != std::string::npos; ++at) {
         const size_t end = help.find_first_of(" \n,", at + 5);
         std::string name = help.substr(at + 5, end - at - 5);
