@@ -31,27 +31,45 @@ size_t count_correct(const GroundTruth& truth, const std::vector<MatchedFrame>& 
       all, PlaceLabel::same, [&](const MatchedFrame& one) { return label_of(truth, one); }));
 }
 
-// A warning about aligned sequences that begin elsewhere, if all matches but one in ten are at most
-// kAround frames from the most common offset, or that differ in length.
+// By how many frames the match is later than the nearest one of its place; nullopt: it has none.
+std::optional<int64_t> offset_from_truth(const GroundTruth& truth, const MatchedFrame& one) {
+  std::optional<int64_t> nearest;
+  for (const GroundTruth::Pair& pair : truth.pairs_of(one.query, one.match.sequence)) {
+    if (pair.label != PlaceLabel::same) continue;
+    const int64_t middle = (int64_t{pair.first} + pair.last()) / 2;
+    const int64_t offset = static_cast<int64_t>(one.match.reference) - middle;
+    if (!nearest || std::abs(offset) < std::abs(*nearest)) nearest = offset;
+  }
+  return nearest;
+}
+
+// A warning about a ground truth that begins elsewhere, if a third of all matches are about equally
+// far from it, or about aligned sequences that differ in length.
 std::optional<std::string> alignment_warning(const Evaluation& evaluation,
                                              const EvaluationSettings& by,
                                              const std::vector<MatchedFrame>& matches) {
   constexpr double kSameLength = 0.1;
   constexpr int64_t kAround = 3;
+  std::vector<int64_t> offsets;
+  for (const MatchedFrame& one : matches)
+    if (const auto offset = offset_from_truth(evaluation.truth, one)) offsets.push_back(*offset);
+  std::ranges::sort(offsets);
+  // The most frequent offset, with its surroundings.
+  size_t around = 0;
+  int64_t offset = 0;
+  for (size_t first = 0, end = 0; first < offsets.size(); ++first) {
+    while (end < offsets.size() && offsets[end] <= offsets[first] + 2 * kAround) ++end;
+    if (end - first <= around) continue;
+    around = end - first;
+    offset = offsets[(first + end) / 2];
+  }
+  if (3 * around >= matches.size() && std::abs(offset) > kAround)
+    return fmt::format(
+        "{} of {} matches are about {} frames {} the ground truth says: does it begin at the first "
+        "frame of both sequences? Otherwise select the parts that it describes",
+        around, matches.size(), std::abs(offset), offset > 0 ? "later than" : "before what");
   if (by.ground_truth->format != "aligned" || by.ground_truth->options.train_step)
     return std::nullopt;
-  std::vector<int64_t> offsets;
-  for (const auto& [query, match] : matches)
-    offsets.push_back(static_cast<int64_t>(match.reference) - static_cast<int64_t>(query));
-  std::ranges::sort(offsets);
-  const int64_t middle = offsets[offsets.size() / 2];
-  const auto around = std::ranges::count_if(
-      offsets, [&](int64_t offset) { return std::abs(offset - middle) <= kAround; });
-  if (10 * static_cast<size_t>(around) >= 9 * offsets.size())
-    return fmt::format(
-        "{} of {} matches are {} frames {} \"aligned\" says: do both sequences begin at the same "
-        "place? Otherwise select the same part of both, or use pairs",
-        around, offsets.size(), std::abs(middle), middle > 0 ? "later than" : "before what");
   const GroundTruthScope& scope = evaluation.judgment.layout.scope;
   const auto train =
       std::ranges::find_if(scope.sequences, [](const auto& one) { return one.searched; });
@@ -64,11 +82,13 @@ std::optional<std::string> alignment_warning(const Evaluation& evaluation,
 }
 
 // Names the smallest larger tolerance at which at least 9 of 10 matches are correct, unless a large
-// part of the training frames is within it.
+// part of the training frames is within it. Nothing for selected training frames: a tolerance
+// counts recorded ones.
 std::optional<std::string> tolerance_warning(const GroundTruth& truth, int64_t train_frames,
                                              const std::vector<MatchedFrame>& matches,
                                              const std::string& noun) {
   constexpr int64_t kMostOff = 10;  // frames; a larger offset is not a matter of tolerance
+  if (truth.applied_tolerance_frames) return std::nullopt;
   GroundTruth wider = truth;
   while (++wider.tolerance_frames <= truth.tolerance_frames + kMostOff &&
          4 * (2 * wider.tolerance_frames + 1) <= train_frames) {
@@ -88,6 +108,12 @@ std::optional<std::string> tolerance_warning(const GroundTruth& truth, int64_t t
 void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const Monitor& monitor) {
   const GroundTruth& truth = evaluation.truth;
   if (!truth.is_known || !by.ground_truth) return;
+  if (const auto& radius = by.ground_truth->options.radius_m;
+      radius && frames_with_match(evaluation.judgment.outcomes) == 0)
+    warn(monitor,
+         "no training frame is within {} m of a query frame. Do both paths have one unit and "
+         "origin?",
+         *radius);
   std::vector<MatchedFrame> matches;
   if (evaluation.result) matches = recognized_frames(evaluation);
   std::string noun = matches.empty() ? "best matches" : "recognitions";
@@ -106,7 +132,8 @@ void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const M
     if (one.searched && !scope.has_places)
       train_frames += static_cast<int64_t>(one.sequence.recorded_frames());
   std::optional<std::string> warning = tolerance_warning(truth, train_frames, matches, noun);
-  if (!warning && most_are_incorrect) warning = alignment_warning(evaluation, by, matches);
+  if (!warning && most_are_incorrect && truth.asked.empty())
+    warning = alignment_warning(evaluation, by, matches);
   if (!warning) return;
   evaluation.warned_of_ground_truth = true;
   warn(monitor, "{}{}", by.warned_as.empty() ? "" : by.warned_as + ": ", *warning);
@@ -299,8 +326,10 @@ std::optional<PlaceLabel> answer_to(const Evaluation& evaluation, const QueryOut
   const size_t reference =
       scope.sequences[query.best->sequence].sequence.selection.source_of(query.best->reference);
   for (const PersonLabel& label : evaluation.truth.person_labels) {
-    if (label.query != frame || label.sequence != query.best->sequence) continue;
-    const size_t away = std::max(reference, label.reference) - std::min(reference, label.reference);
+    if (label.query != frame || label.sequence != query.best->sequence || !label.reference)
+      continue;
+    const size_t away =
+        std::max(reference, *label.reference) - std::min(reference, *label.reference);
     if (away <= label.tolerance) return label.is_same ? PlaceLabel::same : PlaceLabel::different;
   }
   return std::nullopt;
@@ -352,6 +381,13 @@ void warn_of_scores(const Judgment& judgment, const ScoreInput& scores, const st
            scores.is_distance ? "--distance" : "--similarity", 100 * other,
            scores.is_distance ? "--similarity" : "--distance");
   }
+  const auto& queries = judgment.outcomes.queries;
+  const size_t rows = window_count(queries.size(), judgment.layout.window_length);
+  const auto scored = static_cast<size_t>(std::ranges::count_if(
+      queries, [](const QueryOutcome& query) { return query.best.has_value(); }));
+  if (scored < rows)
+    warn(monitor, "{}: {} of {} have no score, so they are not recognized", source, rows - scored,
+         counted(rows, "query", "queries"));
   const auto& points = judgment.single_best.points;
   if (scores.is_similarity || scores.missing || points.empty()) return;
   const double best = judgment.single_best.threshold(points.front());

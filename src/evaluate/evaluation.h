@@ -123,8 +123,9 @@ std::optional<LabeledThreshold> labeled_threshold(const Evaluation& evaluation);
 /// The recognized query frames with the match by which each is judged.
 std::vector<MatchedFrame> recognized_frames(const Evaluation& evaluation);
 
-/// Warns if the opposite order of the scores is correct for more queries, and if the best score may
-/// be the missing value of vpr-query. `source`: of the scores, for messages.
+/// Warns if queries have no score, if the opposite order of the scores is correct for more queries,
+/// and if the best score may be the missing value of vpr-query. `source`: of the scores, for
+/// messages.
 void warn_of_scores(const Judgment& judgment, const ScoreInput& scores, const std::string& source,
                     const Monitor& monitor);
 

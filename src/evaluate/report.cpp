@@ -215,7 +215,8 @@ Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor
   report.name = evaluation.name;
   report.data_set = evaluation.data_set;
   report.caution = evaluation.caution;
-  report.protocol = {truth.protocol, truth.tolerance_frames, {}};
+  report.protocol = {
+      truth.protocol, truth.applied_tolerance_frames.value_or(truth.tolerance_frames), {}};
   report.provenance.made_by = provenance_of(run);
   report.provenance.ground_truth = ground_truth_fingerprint(truth, judgment.layout.scope, monitor);
   if (evaluation.result) {

@@ -47,6 +47,15 @@ bool look_like_indices(const ScoreFile& file) {
               file.name(), count - 1, std::min<size_t>(count - 1, 100), count);
 }
 
+// The number of this type that is nearest to `value`.
+double nearest_of(const NumberType& type, double value) {
+  if (type.is_whole || !std::isfinite(value)) return value;
+  const int digits = type.bytes == 2 ? 11 : type.bytes == 4 ? 24 : 53;
+  int exponent = 0;
+  const double fraction = std::frexp(value, &exponent);
+  return std::ldexp(std::nearbyint(std::ldexp(fraction, digits)), exponent - digits);
+}
+
 }  // namespace
 
 void warn_of_indices(const ScoreFile& scores, const Monitor& monitor) {
@@ -70,6 +79,7 @@ ScoreFile::ScoreFile(std::shared_ptr<const NpyArray> array, const std::string& n
         ErrorKind::data,
         "{}: expected a matrix of scores, queries x references; found the shape ({}) of type {}",
         name_, fmt::join(array_->shape(), ", "), array_->type());
+  if (format_.missing) format_.missing = nearest_of(*type_, *format_.missing);
   queries_ = array_->shape()[format.train_first ? 1 : 0];
   references_ = array_->shape()[format.train_first ? 0 : 1];
   is_query_major_ = array_->is_column_major() == format.train_first;

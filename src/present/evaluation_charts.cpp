@@ -199,7 +199,8 @@ Chart tolerance_chart(const Report& report, const Judgment& judgment, const Grou
   const int64_t most = std::max(kMostFrames, 2 * truth.tolerance_frames);
   chart.x.range = {0, static_cast<double>(most)};
   const uint64_t positives = judgment.single_best.positives;
-  if (!truth.is_known || !truth.asked.empty() || report.has_places() || positives == 0)
+  if (!truth.is_known || !truth.asked.empty() || truth.applied_tolerance_frames ||
+      report.has_places() || positives == 0)
     return chart;
   Series& series = chart.series.emplace_back(
       Series{"R@1", {}, SeriesStyle::points, Meaning::best_matches, SeriesMark::disc});

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -38,10 +39,11 @@ struct Question {
   uint32_t sequence = 0;
   std::vector<FramePair> pairs;
   std::string answer = {};
-  std::string end = {};  ///< of the row, after the answer
+  std::string end = {};                ///< of the row, after the answer
+  std::vector<std::string> also = {};  ///< further rows that are saved with an answer
 };
 
-VPR_FIELDS(Question, (row), (name), (about), (sequence), (pairs), (answer), (end))
+VPR_FIELDS(Question, (row), (name), (about), (sequence), (pairs), (answer), (end), (also))
 
 /// The first recognition of a part of a place, its middle and the last one; equal ones once.
 std::vector<FramePair> pairs_of(const Result& result, const PlacePart& part) {
@@ -102,7 +104,7 @@ std::vector<size_t> spread_over(const std::vector<size_t>& all, size_t count) {
 
 /// Indices of outcomes.
 struct AskedFrames {
-  std::vector<size_t> spread;   ///< in the sample
+  std::vector<size_t> spread;   ///< in the sample; also those without a best match
   std::vector<size_t> near;     ///< the decision
   std::set<size_t> is_sampled;  ///< query frames of the recording: `spread`, labeled or not
 };
@@ -117,13 +119,14 @@ AskedFrames frames_to_ask(const Evaluation& evaluation) {
   const auto recorded = [&](size_t q) {
     return judgment.layout.scope.query.selection.source_of(queries[q].frame);
   };
-  const auto is_open = [&](size_t q) { return !answer_to(evaluation, queries[q]); };
+  const auto is_open = [&](size_t q) {
+    return queries[q].best && !answer_to(evaluation, queries[q]);
+  };
   AskedFrames asked;
   for (const PersonLabel& label : evaluation.truth.person_labels)
     if (label.is_spread) asked.is_sampled.insert(label.query);
   std::vector<size_t> others;  // in the order of the path
   for (size_t q = 0; q < queries.size(); ++q) {
-    if (!queries[q].best) continue;
     if (!asked.is_sampled.contains(recorded(q)))
       others.push_back(q);
     else if (is_open(q))
@@ -132,7 +135,7 @@ AskedFrames frames_to_ask(const Evaluation& evaluation) {
   if (asked.spread.empty())
     asked.spread = spread_over(others, std::min(kSpreadFrames, others.size()));
   for (const size_t q : asked.spread) asked.is_sampled.insert(recorded(q));
-  std::erase_if(asked.spread, [&](size_t q) { return !is_open(q); });
+  std::erase_if(asked.spread, [&](size_t q) { return queries[q].best && !is_open(q); });
   std::vector<size_t>& near = asked.near;
   for (const size_t q : others)
     if (!asked.is_sampled.contains(recorded(q)) && is_open(q)) near.push_back(q);
@@ -164,15 +167,23 @@ std::string label_row(const GroundTruthScope& scope, size_t query, size_t sequen
       reference);
 }
 
+/// The row of a sampled frame without a best match.
+std::string row_without_match(const GroundTruthScope& scope, size_t query) {
+  return fmt::format("{},{},,0,{}", query, scope.sequences.size() == 1 ? "" : ",", kAskedSpread);
+}
+
 /// The rows of earlier labels. Those of frames that are now in the sample count for it.
 std::vector<std::string> known_rows(const Evaluation& evaluation, const AskedFrames& asked) {
   std::vector<std::string> rows;
+  const GroundTruthScope& scope = evaluation.judgment.layout.scope;
   for (const PersonLabel& label : evaluation.truth.person_labels)
-    rows.push_back(fmt::format(
-        "{},{},{},{}",
-        label_row(evaluation.judgment.layout.scope, label.query, label.sequence, label.reference),
-        label.is_same ? "same" : "different", label.tolerance,
-        asked.is_sampled.contains(label.query) ? kAskedSpread : kAskedNear));
+    rows.push_back(
+        label.reference
+            ? fmt::format("{},{},{},{}",
+                          label_row(scope, label.query, label.sequence, *label.reference),
+                          label.is_same ? "same" : "different", label.tolerance,
+                          asked.is_sampled.contains(label.query) ? kAskedSpread : kAskedNear)
+            : row_without_match(scope, label.query));
   return rows;
 }
 
@@ -258,9 +269,15 @@ std::string frame_questions_page(const Evaluation& evaluation, const Report& rep
   require_frames(report, "--ask-frames");
   const AskedFrames asked = frames_to_ask(evaluation);
   std::vector<Question> questions;
+  std::vector<std::string> without_match;  // rows of frames since the last question
   const auto ask = [&](const std::vector<size_t>& frames, std::string_view why) {
     for (const size_t q : frames) {
       const QueryOutcome& query = judgment.outcomes.queries[q];
+      if (!query.best) {
+        without_match.push_back(
+            row_without_match(scope, scope.query.selection.source_of(query.frame)));
+        continue;
+      }
       const auto [s, reference] = *query.best;
       const Sequence& train = scope.sequences[s].sequence;
       questions.push_back({.row = label_row(scope, scope.query.selection.source_of(query.frame), s,
@@ -268,10 +285,17 @@ std::string frame_questions_page(const Evaluation& evaluation, const Report& rep
                            .name = train.name,
                            .sequence = s,
                            .pairs = {{query.frame, reference}},
-                           .end = std::string(why)});
+                           .end = std::string(why),
+                           .also = std::exchange(without_match, {})});
     }
   };
   ask(asked.spread, kAskedSpread);
+  const size_t in_sample = questions.size();
+  if (in_sample > 0) {
+    std::vector<std::string>& last = questions.back().also;
+    last.insert(last.end(), without_match.begin(), without_match.end());
+    without_match.clear();
+  }
   ask(asked.near, kAskedNear);
   const std::vector<std::string> known = known_rows(evaluation, asked);
   const Json words = {
@@ -285,7 +309,7 @@ std::string frame_questions_page(const Evaluation& evaluation, const Report& rep
       {"note",
        fmt::format("The first {} of {} questions are spread along the query and make the estimate; "
                    "the others are near the decision and set the threshold.{}",
-                   asked.spread.size(), questions.size(),
+                   in_sample, questions.size(),
                    known.empty() ? ""
                                  : fmt::format(" {} from before are saved with your answers.",
                                                counted(known.size(), "label")))},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -194,6 +195,11 @@ GroundTruthArgument parse_ground_truth_argument(const std::string& text, int tol
   words.insert(words.begin(), "aligned");
   const std::string word = nearest(text, words);
   if (text == word) return {text, {}, tolerance_frames};
+  if (text.starts_with(word + "@"))
+    throw Error(ErrorKind::usage,
+                "the ground truth {} has no range: its frames are counted in the sequences as "
+                "passed. Select the same part of both, as in --train monday{}",
+                word, text.substr(word.size()));
   // A known word with one or two typing errors is not taken for a path.
   std::error_code error;
   if (edit_distance(text, word) <= 2 && !std::filesystem::exists(text, error))
@@ -252,7 +258,7 @@ void select_train_frames(GroundTruth& truth, const GroundTruthScope& scope) {
         pair.first = static_cast<uint32_t>(
             selected_run({pair.first, pair.first, PlaceLabel::same}, selection.sources)->first);
   truth.pairs = std::move(selected.pairs);
-  truth.tolerance_frames = 0;
+  truth.applied_tolerance_frames = std::exchange(truth.tolerance_frames, 0);
 }
 
 GroundTruthSummary summarize(const InspectedGroundTruth& ground_truth, const Monitor& monitor) {

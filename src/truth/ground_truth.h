@@ -57,7 +57,8 @@ struct GroundTruthScope {
 struct PersonLabel {
   size_t query = 0;
   uint32_t sequence = 0;
-  size_t reference = 0;
+  std::optional<size_t> reference =
+      {};  ///< unset: the result that was labeled had no best match here
   bool is_same = false;
   size_t tolerance = 0;    ///< frames around the reference that are also the same place
   bool is_spread = false;  ///< of a frame of the sample; otherwise of one near the decision
@@ -83,10 +84,13 @@ struct GroundTruth {
   std::string protocol;  ///< a description for reports
   bool is_known = true;  ///< false: no match is evaluated
   /// Per query frame, the pairs that a person labeled; other pairs are unknown: labeled ignore.
-  /// Empty: all pairs are known. If a sample was asked, it has the labels of its frames only.
+  /// Empty: all pairs are known. If a sample was asked, it has the labels of its frames only; one
+  /// without a best match has the first pair, labeled ignore.
   std::vector<std::vector<Pair>> asked = {};
   std::vector<PersonLabel> person_labels = {};  ///< all rows of the file of labels
   bool is_sample = false;  ///< labeled frames are spread evenly along the query
+  /// After select_train_frames: the tolerance in recorded training frames, which pairs include.
+  std::optional<int64_t> applied_tolerance_frames = {};
 
   std::span<const Pair> pairs_of(size_t query, size_t sequence) const;
   /// `same` if a `same` pair is at most tolerance_frames away from `reference`; otherwise the label
@@ -112,10 +116,10 @@ std::vector<LabelStretch> label_runs(const GroundTruth& truth, size_t query, siz
                                      size_t frames);
 
 /// Converts labels of the recordings' frames to the training frames that `scope` selects; sequences
-/// without a selection do not change. Applies the tolerance, which is 0 afterwards. If no frame of
-/// a run of the same place is selected, the label moves to the selected frame nearest to the run,
-/// the earlier one on a tie, so that a query frame keeps its place. Among frames to ignore, the
-/// selected ones are ignored.
+/// without a selection do not change. Applies the tolerance, so that tolerance_frames is 0. If no
+/// frame of a run of the same place is selected, the label moves to the selected frame nearest to
+/// the run, the earlier one on a tie, so that a query frame keeps its place. Among frames to
+/// ignore, the selected ones are ignored.
 void select_train_frames(GroundTruth& truth, const GroundTruthScope& scope);
 
 /// The ground truth if nothing is known: every pair of the searched sequences is labeled ignore.

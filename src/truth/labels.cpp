@@ -17,9 +17,10 @@ namespace {
 using RowLabels = std::vector<LabelStretch>;
 
 LabelStretch stretch_of(const PersonLabel& label, size_t frames) {
-  if (!label.is_same) return {label.reference, label.reference, PlaceLabel::different};
-  return {label.reference - std::min(label.tolerance, label.reference),
-          std::min(label.reference + label.tolerance, frames - 1), PlaceLabel::same};
+  const size_t reference = label.reference.value();
+  if (!label.is_same) return {reference, reference, PlaceLabel::different};
+  return {reference - std::min(label.tolerance, reference),
+          std::min(reference + label.tolerance, frames - 1), PlaceLabel::same};
 }
 
 void add_label(const GroundTruthBuilder& builder, size_t query, const LabelStretch& added,
@@ -68,25 +69,31 @@ std::string read_labels(GroundTruthBuilder& builder) {
   std::vector<PersonLabel> labels;
   while (rows.next()) {
     builder.at("line", rows.line());
-    const size_t sequence =
-        rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only;
     const auto query = frame_in_range(source.range, rows.frame("query", kMaxGrownFrames));
-    const size_t reference = rows.frame("reference", kMaxGrownFrames);
-    const size_t frames = builder.train(sequence).frames;
     if (!query) continue;
-    const size_t query_frames = builder.query().frames;
-    if (*query >= query_frames)
-      builder.report_out_of_range("query", rows.text("query"), builder.query());
-    if (reference >= frames)
-      builder.report_out_of_range("reference", rows.text("reference"), builder.train(sequence));
-    if (*query >= query_frames || reference >= frames) continue;
-    const size_t reach = rows.frame("tolerance", kMaxGrownFrames);
     const std::string_view label = rows.text("label");
-    if (label != "same" && label != "different")
-      rows.fail("label \"{}\" is neither same nor different", label);
     const std::string_view why = rows.text("asked");
     if (!why.empty() && why != kAskedSpread && why != kAskedNear)
       rows.fail("asked \"{}\" is neither {} nor {}", why, kAskedSpread, kAskedNear);
+    if (*query >= builder.query().frames) {
+      builder.report_out_of_range("query", rows.text("query"), builder.query());
+      continue;
+    }
+    if (why == kAskedSpread && label.empty() && rows.text("reference").empty()) {
+      labels.push_back({.query = *query, .is_spread = true});
+      continue;
+    }
+    const size_t sequence =
+        rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only;
+    const size_t reference = rows.frame("reference", kMaxGrownFrames);
+    const size_t frames = builder.train(sequence).frames;
+    if (reference >= frames) {
+      builder.report_out_of_range("reference", rows.text("reference"), builder.train(sequence));
+      continue;
+    }
+    const size_t reach = rows.frame("tolerance", kMaxGrownFrames);
+    if (label != "same" && label != "different")
+      rows.fail("label \"{}\" is neither same nor different", label);
     labels.push_back({*query, static_cast<uint32_t>(sequence), reference, label == "same",
                       label == "same" ? reach : 0, why == kAskedSpread});
     add_label(builder, *query, stretch_of(labels.back(), frames), all[{*query, sequence}]);
@@ -95,22 +102,27 @@ std::string read_labels(GroundTruthBuilder& builder) {
   std::map<std::pair<size_t, size_t>, RowLabels> counted_labels;
   std::vector<std::vector<GroundTruth::Pair>> asked(builder.query().frames);
   size_t near = 0;  // the decision: not in the sample
+  size_t counted_pairs = 0;
   for (const PersonLabel& one : labels) {
     near += is_sample && !one.is_spread;
     if (is_sample && !one.is_spread) continue;
+    if (!one.reference) {
+      asked[one.query].push_back({0, 0, PlaceLabel::ignore});
+      continue;
+    }
+    ++counted_pairs;
     counted_labels[{one.query, one.sequence}].push_back(
         stretch_of(one, builder.train(one.sequence).frames));
-    asked[one.query].push_back({one.sequence, static_cast<uint32_t>(one.reference)});
+    asked[one.query].push_back({one.sequence, static_cast<uint32_t>(*one.reference)});
   }
   for (size_t query = 0; query < asked.size(); ++query)
     for (size_t s = 0; s < builder.scope().sequences.size(); ++s)
       if (rows.has("sequence") || s == only) add_row(builder, query, s, counted_labels[{query, s}]);
   const auto labeled = asked.size() - static_cast<size_t>(std::ranges::count_if(
                                           asked, [](const auto& pairs) { return pairs.empty(); }));
-  const size_t pairs = labels.size() - near;
   builder.set_labels(std::move(asked), std::move(labels), is_sample);
   return fmt::format("labels of {} in {} of {}{}{}; all other pairs are unknown",
-                     counted(pairs, "pair"), labeled,
+                     counted(counted_pairs, "pair"), labeled,
                      counted(builder.query().frames, "query frame"),
                      is_sample ? ", a sample spread along the query" : "",
                      near > 0 ? fmt::format(" ({} near the decision only set the threshold)",

@@ -110,8 +110,8 @@ void require_equal(const std::filesystem::path& path, std::string_view column,
   known = has_column;
 }
 
-/// With a larger share of pairs of the same place, almost every match is correct.
-constexpr double kLargeShare = 0.1;
+/// With a larger share of pairs of the same place, many matches are correct by chance.
+constexpr double kLargeShare = 0.25;
 /// Limit of pairs of the same place, each of which is compared.
 constexpr uint64_t kMaxPairs = uint64_t{1} << 27;
 
@@ -461,8 +461,8 @@ void warn_of(const GroundTruthBuilder& builder, const PoseCounts& counts, const 
   const double share = static_cast<double>(counts.same) / static_cast<double>(counts.pairs);
   if (counts.pairs > 0 && share > kLargeShare)
     warn(builder.monitor(),
-         "{}: within {} m lie {:.0f} % of all pairs of frames, so almost every match is correct. "
-         "Use a smaller --radius",
+         "{}: within {} m lie {:.0f} % of all pairs of frames, so as many random matches would be "
+         "correct. Use a smaller --radius",
          path, nearness.radius_m, 100 * share);
 }
 

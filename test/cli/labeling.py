@@ -96,8 +96,8 @@ def label_frames(browser):
     questions = browser.evaluate("window.data.questions")
     assert browser.evaluate("[...document.images].every((one) => one.naturalWidth > 0)")
     assert len({one["row"] for one in questions}) == len(questions) > 80, len(questions)
-    asked = [int(one["row"].split(",")[0]) for one in questions]
-    for count in (10, 50):  # any prefix is spread along the query
+    asked = [int(one["row"].split(",")[0]) for one in questions if one["end"] == "spread"]
+    for count in (10, len(asked)):  # any prefix is spread along the query
         first = sorted(asked[:count])
         assert first[0] < 15 and first[-1] > 75, first
         assert max(b - a for a, b in zip(first, first[1:])) <= 180 // count, first
@@ -112,16 +112,20 @@ def label_frames(browser):
     for one in questions:
         query, reference = map(int, one["row"].split(","))
         answer = "same,0" if reference in truth.get(query, ()) else "different,0"
-        expected.append(f"{query},{reference},{answer},{'spread' if len(expected) < 50 else 'decision'}")
+        expected += [*one["also"], f"{query},{reference},{answer},{one['end']}"]
     assert lines[1:] == expected, (lines[:4], expected[:4])
-    correct = sum("same" in line for line in expected[:50])
+    sample = [line for line in expected if line.endswith("spread")]
+    # Frames before the first window are in the sample without a question.
+    early = [int(line.split(",")[0]) for line in sample if ",,," in line]
+    assert early and max(early) < min(asked), (early, min(asked))
+    correct = sum("same" in line for line in sample)
     own = judge("result.json", "labels.csv")
     assert own["best_match"]["correct"] == correct, (own["best_match"], correct)
     assert own["best_match"]["frames"] == own["estimate"]["frames"] == 50, own["best_match"]
     text = " ".join(run("vpr-eval", "result.json", "--ground-truth", "labels.csv").split())
     assert f"estimated from 50 frames spread along the query: {2 * correct} % (" in text, text
     # Labels without the column: not a sample.
-    write("plain.csv", "".join(line.rsplit(",", 1)[0] + "\n" for line in lines))
+    write("plain.csv", "".join(line.rsplit(",", 1)[0] + "\n" for line in lines if ",,," not in line))
     text = " ".join(run("vpr-eval", "result.json", "--ground-truth", "plain.csv").split())
     assert f"over {len(questions)} of 90 frames that are labeled" in text, text
     assert "not a sample of the query. Caution: the labels were made from this result." in text, text
@@ -141,7 +145,7 @@ def label_frames(browser):
         "more.html", "--quiet")
     browser.open(f"{folder}/more.html")
     more = browser.evaluate("window.data.questions")
-    known = {line.split(",")[0] for line in expected[:50]}
+    known = {line.split(",")[0] for line in sample}
     assert sum(one["end"] == "spread" for one in more) == open_matches > 0, len(more)
     assert all((one["row"].split(",")[0] in known) == (one["end"] == "spread") for one in more)
     for one in more:
@@ -158,7 +162,7 @@ def estimate_from_a_sample(browser):
     best = json.loads(run("vpr-eval", "result.json", "--ground-truth", "aligned", "--json"))["outcomes"]["best"]
     frames = [frame for frame, letter in enumerate(best) if letter.lower() != "u"]
     wrong = set(frames[11::33][:round(0.03 * len(frames))])
-    rate = 1 - len(wrong) / len(frames)
+    rate = (len(frames) - len(wrong)) / len(best)  # the first window ends later than the first frame
 
     def ask(page, order, most, *labels):
         run("vpr-eval", "result.json", *labels, "--ask-frames", page, "--quiet", "--force")
@@ -183,7 +187,7 @@ def estimate_from_a_sample(browser):
         browser.evaluate("localStorage.clear()")
         first = ask("first.html", order, 30)
         second = ask("second.html", order, 1000, "--ground-truth", "labels.csv")
-        assert second[1:31] == [line.replace("decision", "spread") if line.split(",")[0] in
+        assert second[1:len(first)] == [line.replace("decision", "spread") if line.split(",")[0] in
                                 {one.split(",")[0] for one in second if one.endswith("spread")} else line
                                 for line in first[1:]], (first, second)
         for lines in (first, second):

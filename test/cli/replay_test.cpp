@@ -108,6 +108,17 @@ TEST_CASE("resampled training frames keep the ground truth of the recordings") {
   CHECK(report["best_match"]["without_match"] == 0);
   const std::string best = outcomes(report);
   for (size_t i = 0; i < best.size(); i += 3) CHECK(best[i] == 'c');
+
+  // A tolerance counts recorded frames, so none is proposed, and none is plotted over selected
+  // ones.
+  std::string far = "query,reference\n";
+  for (size_t i = 0; i + 5 < recorded; ++i) far += fmt::format("{},{}\n", i, i + 5);
+  write_text("far.csv", far);
+  const auto wrong =
+      run_ok("vpr-eval r.json --ground-truth far.csv --tolerance 1 -o wrong.json --plot plots");
+  CHECK_FALSE(has(wrong.err, "use --tolerance"));
+  CHECK(read_json("wrong.json", ErrorKind::data)["protocol"]["tolerance_frames"] == 1);
+  CHECK_FALSE(std::filesystem::exists("plots/recall-tolerance.svg"));
 }
 
 TEST_CASE("two different rates cause a warning, unless the method estimates them") {

@@ -1,6 +1,7 @@
 #include "evaluate/evaluation.h"
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include "base/json.h"
 #include "evaluate/place_answers.h"
@@ -166,6 +167,29 @@ TEST_CASE("a sample of labels estimates the share of correct best matches, and s
       "labels.csv",
       "query,reference,label,tolerance,asked\n0,0,same,0,spread\n1,3,different,0,spread\n");
   CHECK_FALSE(estimated_recall(evaluate_result(shared(example()), {}, by, {})));
+}
+
+TEST_CASE("a ground truth that begins elsewhere, or has no match, is warned of") {
+  std::string pairs = "query,reference\n";
+  for (int i = 0; i < 4; ++i) pairs += fmt::format("{},{}\n", i, i + 30);
+  test::write_text("later.csv", pairs);
+  test::write_text("q.csv", "frame,x,y\n0,0,0\n1,1,0\n2,2,0\n3,3,0\n");
+  test::write_text("t.csv", "frame,x,y\n0,900,0\n1,901,0\n2,902,0\n3,903,0\n");
+  const test::Warnings warnings;
+  Result result = example();
+  result.sequences[0].sequence.frames = result.sequences[0].windows = 40;
+  EvaluationSettings by;
+  by.ground_truth = GroundTruthArgument{"", "later.csv", 0};
+  evaluate_result(shared(result), {}, by, warnings.monitor);
+  REQUIRE(warnings.said.size() == 1);
+  CHECK(test::has(warnings.said[0],
+                  "3 of 3 matches are about 30 frames before what the ground truth says"));
+  by.ground_truth = GroundTruthArgument{"", "q.csv", 0};
+  by.ground_truth->options.reference = "t.csv";
+  by.ground_truth->options.radius_m = 3;
+  evaluate_result(shared(example()), {}, by, warnings.monitor);
+  REQUIRE(warnings.said.size() == 2);
+  CHECK(test::has(warnings.said[1], "no training frame is within 3 m of a query frame"));
 }
 
 TEST_CASE("an estimated share has the interval of Wilson") {

@@ -175,6 +175,14 @@ TEST_CASE("a value that marks a missing score is ignored") {
   CHECK(found.outcomes.queries[1].verdict == Verdict::none);
 }
 
+TEST_CASE("a missing score is the nearest number of the file's type") {
+  ScoreFormat format;
+  format.missing = 0.1;
+  const MatrixScan found =
+      scan(write_matrix<float>({0.1F, 5, 3}, 1, 3), truth_of(1, {{0, 0, 0}}), format);
+  CHECK(found.outcomes.queries[0].best == FrameMatch{0, 2});
+}
+
 TEST_CASE("windows of a matrix are evaluated at their anchors") {
   const ScoreMatrix matrix(write_matrix<double>({1, 2, 3, 4, 5, 6}, 2, 3), {});
   const ScoreLayout layout = layout_of(matrix, 4);

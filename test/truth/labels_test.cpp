@@ -89,6 +89,16 @@ TEST_CASE("labels near the decision are not in the sample") {
   CHECK_FALSE(read_labels_of(kHeader + "0,4,same,1\n").is_sample);
 }
 
+TEST_CASE("a frame of the sample that had no best match counts") {
+  write_text("labels.csv",
+             "query,reference,label,tolerance,asked\n1,,,0,spread\n0,4,same,1,spread\n");
+  const GroundTruth truth = read_ground_truth({"", "labels.csv"}, {{"q", 3}, {{{"t", 10}}}});
+  CHECK(draw(truth, 3, 10) == "iiiSSSiiii iiiiiiiiii iiiiiiiiii");
+  CHECK(truth.has_match(1));
+  CHECK_FALSE(truth.has_match(2));
+  CHECK(test::has(truth.protocol, "labels of 1 pair in 2 of 3 query frames"));
+}
+
 TEST_CASE("labels without rows, out of range or in contradiction are refused") {
   const auto refused = [](const std::string& rows, const std::string& words, int tolerance = 0) {
     CHECK_THROWS_WITH(read_labels_of(kHeader + rows, tolerance), Catch::Contains(words));
@@ -97,6 +107,7 @@ TEST_CASE("labels without rows, out of range or in contradiction are refused") {
   refused("3,0,same,1\n", "query 3 is out of range");
   refused("0,10,same,1\n", "reference 10 is out of range");
   refused("0,1,maybe,1\n", "neither same nor different");
+  refused("0,,,0\n", "reference \"\" is not a frame number");
   refused("0,1,same,-1\n", "tolerance \"-1\"");
   refused("0,4,same,1\n0,5,different,0\n", "both same and different");
   refused("0,4,same,1\n", "has its own tolerance", 2);
@@ -252,6 +263,7 @@ TEST_CASE("selected frames keep their labels, and a place without any moves to t
     CHECK(letters(truth, 0, 4) == "s..i");
   }
   CHECK(truth.tolerance_frames == 0);
+  CHECK(truth.applied_tolerance_frames == 1);
 }
 
 TEST_CASE("labels of selected frames equal those of the reference implementation") {

@@ -68,13 +68,13 @@ TEST_CASE("poses need a radius, and one that includes nearly all pairs causes a 
   CHECK(test::has(missing, "--radius 2"));
   CHECK(test::has(missing, "radius_m"));
   test::Warnings warnings;
-  argument.options.radius_m = 1;  // 88 of 900 pairs
+  argument.options.radius_m = 3;  // 198 of 900 pairs
   read_ground_truth(argument, scope, warnings.monitor);
   CHECK(warnings.said.empty());
-  argument.options.radius_m = 2;  // 144 of 900
+  argument.options.radius_m = 4;  // 250 of 900
   read_ground_truth(argument, scope, warnings.monitor);
   REQUIRE(warnings.said.size() == 1);
-  CHECK(test::has(warnings.said[0], "within 2 m lie 16 % of all pairs"));
+  CHECK(test::has(warnings.said[0], "within 4 m lie 28 % of all pairs"));
 }
 
 TEST_CASE("lines that begin with # may precede a header") {
