@@ -50,7 +50,7 @@ void check_ground_truths(const Monitor& monitor, const CompareInputs& inputs,
       if (!inputs.settings.omit_disputed)
         throw Error(ErrorKind::data,
                     "the reports have different ground truths: {}. Evaluate all results with one "
-                    "of them, name different data sets with --data-set of vpr-eval, or add "
+                    "of them, name the data set of each with --data-set of vpr-eval, or add "
                     "--allow-different",
                     words);
       warn(monitor,

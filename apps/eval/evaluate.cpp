@@ -27,22 +27,29 @@ std::vector<SequenceArgument> train_arguments(const EvalFlags& flags) {
   return arguments;
 }
 
-// The number of query frames; unset if it is unknown, as of a video.
-std::optional<size_t> query_frames(const EvalFlags& flags) {
-  const auto query = query_argument(flags.truth.dataset, flags.query);
-  const auto names = query ? known_frame_names(*query) : std::nullopt;
-  return names && flags.scores.speed.empty() ? std::optional(names->size()) : std::nullopt;
+// Unset if it is unknown, as of a video.
+std::optional<size_t> known_frames(const SequenceArgument& argument) {
+  if (const auto names = known_frame_names(argument)) return names->size();
+  const SequenceSource source = open_sequence(argument);
+  if (source.kind == SequenceKind::descriptors) return ArrayRows(source).count();
+  return std::nullopt;
 }
 
-// The number of columns of a matrix; 0 if it is unknown, as of a video.
+// The number of query frames; unset if it is unknown.
+std::optional<size_t> query_frames(const EvalFlags& flags) {
+  const auto query = query_argument(flags.truth.dataset, flags.query);
+  return query && flags.scores.speed.empty() ? known_frames(*query) : std::nullopt;
+}
+
+// The number of columns of a matrix; 0 if it is unknown.
 size_t train_columns(const EvalFlags& flags) {
   const size_t length = flags.scores.window_length;
   const size_t stated = window_count(flags.scores.train_frames.value_or(0), length);
   size_t columns = 0;
   for (const SequenceArgument& argument : train_arguments(flags)) {
-    const auto names = known_frame_names(argument);
-    if (!names) return stated;
-    columns += window_count(names->size(), length);
+    const auto frames = known_frames(argument);
+    if (!frames) return stated;
+    columns += window_count(*frames, length);
   }
   return columns > 0 ? columns : stated;
 }

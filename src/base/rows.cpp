@@ -279,8 +279,15 @@ void FileLocation::fail(std::string_view what) const {
 }
 
 std::optional<FrameText> parse_frame(std::string_view text) {
+  constexpr double kMostExact = 9007199254740992;  // 2^53
   const bool negative = text.starts_with('-');
   if (negative) text.remove_prefix(1);
+  // 7.000000000000000000e+00, as numpy.savetxt writes all numbers.
+  if (const size_t power = text.find('e'); power < text.size() && text.find('.') < power) {
+    const auto value = parse_real(text);
+    if (value && *value == std::floor(*value) && *value < kMostExact)
+      return FrameText{!negative || *value == 0, static_cast<size_t>(*value)};
+  }
   if (const size_t point = text.find('.');
       point != 0 && point + 1 < text.size() &&
       text.find_first_not_of('0', point + 1) == std::string_view::npos)

@@ -304,7 +304,9 @@ void check_numbers(std::span<const double> vector, const std::string& where) {
 void check_vector(std::span<const double> vector, const std::string& where) {
   check_numbers(vector, where);
   if (is_zero_vector(vector))
-    throw Error(ErrorKind::data, "{}: is a vector of zeros, which has no direction", where);
+    throw Error(ErrorKind::data,
+                "{}: is a vector of zeros, which has no direction. Save a missing one as NaN",
+                where);
 }
 
 void quantize_numbers(std::span<const double> vector, std::span<int8_t> out) {

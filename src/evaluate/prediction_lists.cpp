@@ -47,7 +47,9 @@ struct ScoredLists {
 struct PredictionList {
   std::vector<Prediction> all = {};
   bool are_rankings = false;
-  bool has_queries = true;  ///< surely, not only references
+  bool has_queries = true;               ///< surely, not only references
+  bool are_ranks = false;                ///< instead of scores
+  std::optional<ScoreOrder> order = {};  ///< in the header
 };
 
 // Whether the first cell of a line cannot be a reference like the other ones.
@@ -96,6 +98,10 @@ PredictionList read_list(const fs::path& path) {
   PredictionList list;
   list.has_queries = !rows.header().empty();
   list.are_rankings = are_rankings(rows);
+  for (const std::string& column : rows.header()) {
+    list.are_ranks = list.are_ranks || lower_case(column) == "rank";
+    if (const auto order = enum_value<ScoreOrder>(lower_case(column))) list.order = order;
+  }
   std::set<std::string_view> queries;
   while (rows.next()) {
     const auto cells = rows.cells().subspan(index_columns(rows));
@@ -326,7 +332,11 @@ ScoreMatrix prediction_scores(const fs::path& path, const FrameNames& queries,
     list = read_list(path);
   }
   if (list.all.empty()) throw Error(ErrorKind::data, "{}: lists no reference", name);
-  const bool has_scores = list.all.front().score.has_value();
+  const bool has_scores = list.all.front().score.has_value() && !list.are_ranks;
+  if (list.order && kind.value_or(*list.order) != *list.order)
+    throw Error(ErrorKind::usage, "{}: its header names the scores {}. Omit --{}", name,
+                enum_name(*list.order), enum_name(*kind));
+  if (list.order) kind = list.order;
   if (has_scores && !kind)
     throw Error(ErrorKind::usage,
                 "{}: the list has scores. Add --distance (lower is better) or --similarity (higher "

@@ -23,13 +23,14 @@ struct ListFrames {
 ///   needs a header if each query may also be a reference: lines may then lack their query.
 /// Fields are separated by commas, semicolons or tabs (kapture, CSV) if the first line has one,
 /// otherwise by blanks. Lines that begin with # are skipped. A header has the columns query,
-/// reference and optionally the score, or of a ranking query and more than two others.
-/// Without scores, the rank among the references of the query, from 1, is the distance; `kind`
-/// applies to listed scores. If a pair is repeated, the better score counts; other pairs have no
-/// score. Fields that are all numbers are numbers of frames unless find_names decides otherwise; if
-/// neither names nor `stated` tell how many there are, the largest one does. Throws Error(input)
-/// for a file that cannot be read; Error(data), with the line, for another format or an unknown
-/// name; Error(usage) for scores without `kind`.
+/// reference and optionally the score (distance or similarity state its order, rank is none), or of
+/// a ranking query and more than two others. Without scores, the rank among the references of the
+/// query, from 1, is the distance; `kind` applies to listed scores. If a pair is repeated, the
+/// better score counts; other pairs have no score. Fields that are all numbers are numbers of
+/// frames unless find_names decides otherwise; if neither names nor `stated` tell how many there
+/// are, the largest one does. Throws Error(input) for a file that cannot be read; Error(data), with
+/// the line, for another format or an unknown name; Error(usage) for scores without `kind` or
+/// against the header.
 ScoreMatrix prediction_scores(const std::filesystem::path& path, const FrameNames& queries,
                               const FrameNames& references, std::optional<ScoreOrder> kind,
                               const ListFrames& stated = {}, const Monitor& monitor = {});

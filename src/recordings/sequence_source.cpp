@@ -387,6 +387,12 @@ FrameNames::FrameNames(std::vector<std::string> names) : names_(std::move(names)
   }
 }
 
+bool FrameNames::has(std::string_view path) const {
+  const std::string_view name = file_name(path);
+  return by_file_name_.contains(name) || by_stem_.contains(name) ||
+         (name.find('\\') != std::string_view::npos && has(with_slashes(path)));
+}
+
 std::optional<size_t> FrameNames::find(std::string_view path) const {
   const std::string_view name = file_name(path);
   if (name.find('\\') != std::string_view::npos && !by_file_name_.contains(name))

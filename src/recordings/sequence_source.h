@@ -117,6 +117,8 @@ class FrameNames {
   /// extension. Backslashes separate folders as slashes do, unless a frame has them in its name.
   /// Nullopt if there is none, on a tie, or for several paths in one text.
   std::optional<size_t> find(std::string_view path) const;
+  /// Whether a frame has the file name of `path`, with or without its extension.
+  bool has(std::string_view path) const;
 
  private:
   std::vector<std::string> names_;

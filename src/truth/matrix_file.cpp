@@ -145,7 +145,8 @@ bool require_matrix_shape(GroundTruthBuilder& builder, size_t sequence, size_t r
     builder.fail(
         "is a matrix of {} x {}, but there are {} query and {} training frames{}", rows, cols,
         query.frames, train.frames,
-        rows == query.frames && cols < train.frames
+        cols == 2 ? ". Save pairs as CSV with the header query,reference"
+        : rows == query.frames && cols < train.frames
             ? ". If it lists the matches of each query, as for GSV-Cities, convert it with "
               "scripts/convert/vpr_bench.py"
             : "");

@@ -55,25 +55,27 @@ void read_names(FrameColumn& column, const NameReader& reader) {
                   counted(column.frames.frames, "frame"), column.unnamed);
 }
 
-size_t find_name(const GroundTruthBuilder& builder, const FrameColumn& column,
-                 std::string_view text) {
+// Nullopt if no frame has this name, and `range` may exclude it.
+std::optional<size_t> find_name(const GroundTruthBuilder& builder, const FrameColumn& column,
+                                std::string_view text, const FrameRange& range) {
   if (column.cells.names == nullptr)
     builder.fail("{} \"{}\" is not a frame number{}{}", column.cells.what, shortened(text),
                  no_number_hint(text), column.unnamed);
   const auto frame = column.names->find(text);
-  if (!frame)
-    builder.fail("{} \"{}\" is {} the name of exactly one of {}", column.cells.what,
-                 shortened(text), column.cells.are_names ? "not" : "neither a frame number nor",
-                 counted(column.names->count(), "frame"));
-  return *frame;
+  if (frame || (!range.is_all() && !column.names->has(text))) return frame;
+  builder.fail("{} \"{}\" is {} the name of exactly one of {}{}", column.cells.what,
+               shortened(text), column.cells.are_names ? "not" : "neither a frame number nor",
+               counted(column.names->count(), "frame"),
+               column.cells.what == "query" && range.is_all() && !column.names->has(text)
+                   ? range_hint(builder.argument().path)
+                   : "");
 }
 
-// Nullopt if the frame is out of range, which is reported, or outside `range`, which applies to
-// numbers only.
+// Nullopt if the frame is out of range, which is reported, or outside `range`.
 std::optional<size_t> read_frame(GroundTruthBuilder& builder, std::string_view text,
                                  const FrameColumn& column, const FrameRange& range) {
   const auto frame = parse_frame(text);
-  if (!frame || column.cells.are_names) return find_name(builder, column, text);
+  if (!frame || column.cells.are_names) return find_name(builder, column, text, range);
   if (frame->in_range) return frame_in_range(range, frame->value);
   builder.report_out_of_range(column.cells.what, text, column.frames);
   return std::nullopt;

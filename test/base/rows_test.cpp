@@ -120,6 +120,14 @@ TEST_CASE("a list may have a header, or columns by position") {
   CHECK(test::has(refusal("seconds,nanoseconds\n0,5\n", times), "two columns time"));
 }
 
+TEST_CASE("integers are frames, however programs write them") {
+  CHECK(parse_frame("7.000000000000000000e+00")->value == 7);
+  CHECK(parse_frame("1.230000000000000000e+02")->value == 123);
+  CHECK_FALSE(parse_frame("-1.000000000000000000e+00")->in_range);
+  for (const char* name : {"1.5e+00", "2e3", "1.e", "img.e5", "1.0e300"})
+    CHECK_FALSE(parse_frame(name));
+}
+
 TEST_CASE("missing, repeated and unknown columns are refused") {
   const RowRules pairs = {{"query", "reference", "label"}, 2};
   CHECK(refusal("query,label\n1,same\n", pairs) ==

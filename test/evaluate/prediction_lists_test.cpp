@@ -63,6 +63,9 @@ TEST_CASE("frames are identified by the end of their paths") {
   const FrameNames numbers({});
   CHECK(numbers.count() == 0U);
   CHECK_FALSE(numbers.find("12"));
+  CHECK(names.has("1.jpg"));
+  CHECK(names.has("x/2"));
+  CHECK_FALSE(names.has("left"));
 }
 
 TEST_CASE("names are the lines of a list, whether or not the files exist") {
@@ -92,6 +95,19 @@ TEST_CASE("lists of pairs have ranks, and those with scores have scores") {
   CHECK(rows_of(List("0 2\n2 1\n").matrix({}, {}, {})) == " - - 1 | - - - | - 1 -");
   const List of_pandas(",query,reference\n0,0,2\n1,2,1\n", "pandas.csv");
   CHECK(rows_of(of_pandas.matrix({}, {}, {})) == " - - 1 | - - - | - 1 -");
+}
+
+TEST_CASE("a header states the order of the scores, and ranks are none") {
+  const List near("query,reference,distance\n0,2,0.5\n0,1,0.25\n", "near.csv");
+  CHECK(near.matrix({}, {}, {}).kind == ScoreOrder::distance);
+  CHECK(test::has(near.error(ScoreOrder::similarity), "names the scores distance"));
+  const List alike("query,reference,Similarity\n0,2,0.5\n", "alike.csv");
+  CHECK(alike.matrix({}, {}, {}).kind == ScoreOrder::similarity);
+  CHECK(test::has(alike.error(ScoreOrder::distance), "Omit --distance"));
+  const List ranked("query,reference,rank\n0,2,2\n0,1,1\n", "ranked.csv");
+  CHECK(rows_of(ranked.matrix({}, {}, {})) == " - 1 2");
+  CHECK_FALSE(ranked.matrix({}, {}, {}).has_scores);
+  CHECK(test::has(ranked.error(ScoreOrder::similarity), "ranks are distances"));
 }
 
 TEST_CASE("rankings begin with the query, or are refused") {

@@ -49,6 +49,18 @@ TEST_CASE("ranges of pairs are those of the query") {
   CHECK(test::has(beyond, "g.csv@60:111"));
   write_matrix<uint8_t>("m.npy", {0, 1, 0, 0}, 2, 2, "|b1");
   CHECK(test::error_kind([&] { read_labels("m.npy@1:2", 1, 2); }) == ErrorKind::usage);
+  // The names of other query frames are outside it.
+  write_text("g.csv", "query,reference\na.png,0\nb.png,1\nc.png,2\n");
+  GroundTruthScope scope{{"q", 2}, {{{"t", 5}}}, [] {
+                           return std::vector<std::string>{"x/b.png", "x/c.png"};
+                         }};
+  const auto named = [&](const std::string& path) {
+    return read_ground_truth({"", path}, scope).pairs;
+  };
+  CHECK(named("g.csv@1:3") == decltype(GroundTruth::pairs){{{0, 1}}, {{0, 2}}});
+  CHECK(test::has(test::error_text([&] { named("g.csv"); }), "g.csv@60:111"));
+  CHECK(test::has(test::error_text([&] { parse_ground_truth_argument("aligned@1:3", 0); }),
+                  "has no range"));
 }
 
 TEST_CASE("aligned sequences may have different sampling") {
