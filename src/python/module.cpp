@@ -58,15 +58,18 @@ void forget_threads() {
                 [](const auto& call) { return call.first != std::this_thread::get_id(); });
 }
 
+// As threads that wait for the lock of an ended interpreter.
+[[noreturn]] void wait_for_ever() {
+  const py::gil_scoped_release release;
+  for (;;) ::pause();
+}
+
 }  // namespace
 
 InCall::InCall() {
   Callers& all = callers();
   const std::thread::id own = std::this_thread::get_id();
-  if (all.is_ended && own != all.last && !all.depths.contains(own)) {
-    const py::gil_scoped_release release;
-    for (;;) ::pause();  // as threads that wait for the lock of an ended interpreter
-  }
+  if (all.is_ended && own != all.last && !all.depths.contains(own)) wait_for_ever();
   if (all.lacks_threads)
     throw Error(ErrorKind::usage,
                 "this process was forked while another thread was in a call of vpr. Start "
@@ -79,10 +82,15 @@ InCall::InCall() {
 
 InCall::~InCall() {
   Callers& all = callers();
-  const std::scoped_lock lock(all.mutex);
-  const auto found = all.depths.find(std::this_thread::get_id());
-  if (--found->second == 0) all.depths.erase(found);
+  const std::thread::id own = std::this_thread::get_id();
+  std::unique_lock lock(all.mutex);
+  const auto found = all.depths.find(own);
+  if (--found->second > 0) return;
+  all.depths.erase(found);
   all.left.notify_all();
+  lock.unlock();
+  // An error would be printed while the interpreter ends, which aborts it (Python 3.13).
+  if (all.is_ended && own != all.last) wait_for_ever();
 }
 
 std::string Call::shown(std::string sentence) const {

@@ -23,7 +23,7 @@ assert str(source) not in "".join((prefix / name).read_text() for name in files 
 shutil.copytree(example, folder / "example")
 with (folder / "example/CMakeLists.txt").open("a") as text:
     text.write("add_library(wrapper SHARED recognize.cpp)\ntarget_link_libraries(wrapper PRIVATE vpr::vpr)\n")
-ok(call(cmake, "-S", "example", "-B", "built", f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_CXX_COMPILER={compiler}",
+ok(call(cmake, "-G", "Ninja", "-S", "example", "-B", "built", f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_CXX_COMPILER={compiler}",
         f"-DCMAKE_CXX_FLAGS={' '.join(sys.argv[6:])} -Wall -Wextra -Wpedantic -Wshadow -Werror", "-DCMAKE_CXX_STANDARD=17",
         "-DCMAKE_BUILD_TYPE=Release"))
 ok(call(cmake, "--build", "built"))
