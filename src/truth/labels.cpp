@@ -47,6 +47,36 @@ void add_row(GroundTruthBuilder& builder, size_t query, size_t sequence, RowLabe
   if (next < frames) builder.add(query, sequence, next, frames - 1, PlaceLabel::ignore);
 }
 
+// The label of the current row; nullopt if it is outside the range, or out of range, which is
+// reported. `only`: its sequence, if the file names none.
+std::optional<PersonLabel> read_label(GroundTruthBuilder& builder, const Rows& rows,
+                                      const FrameRange& range, size_t only) {
+  const auto query = frame_in_range(range, rows.frame("query", kMaxGrownFrames));
+  if (!query) return std::nullopt;
+  const std::string_view label = rows.text("label");
+  const std::string_view why = rows.text("asked");
+  if (!why.empty() && why != kAskedSpread && why != kAskedNear)
+    rows.fail("asked \"{}\" is neither {} nor {}", why, kAskedSpread, kAskedNear);
+  if (*query >= builder.query().frames) {
+    builder.report_out_of_range("query", rows.text("query"), builder.query());
+    return std::nullopt;
+  }
+  if (why == kAskedSpread && label.empty() && rows.text("reference").empty())
+    return PersonLabel{.query = *query, .is_spread = true};
+  const size_t sequence =
+      rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only;
+  const size_t reference = rows.frame("reference", kMaxGrownFrames);
+  if (reference >= builder.train(sequence).frames) {
+    builder.report_out_of_range("reference", rows.text("reference"), builder.train(sequence));
+    return std::nullopt;
+  }
+  const size_t reach = rows.frame("tolerance", kMaxGrownFrames);
+  if (label != "same" && label != "different")
+    rows.fail("label \"{}\" is neither same nor different", label);
+  return PersonLabel{*query,          static_cast<uint32_t>(sequence), reference,
+                     label == "same", label == "same" ? reach : 0,     why == kAskedSpread};
+}
+
 }  // namespace
 
 std::string read_labels(GroundTruthBuilder& builder) {
@@ -69,34 +99,12 @@ std::string read_labels(GroundTruthBuilder& builder) {
   std::vector<PersonLabel> labels;
   while (rows.next()) {
     builder.at("line", rows.line());
-    const auto query = frame_in_range(source.range, rows.frame("query", kMaxGrownFrames));
-    if (!query) continue;
-    const std::string_view label = rows.text("label");
-    const std::string_view why = rows.text("asked");
-    if (!why.empty() && why != kAskedSpread && why != kAskedNear)
-      rows.fail("asked \"{}\" is neither {} nor {}", why, kAskedSpread, kAskedNear);
-    if (*query >= builder.query().frames) {
-      builder.report_out_of_range("query", rows.text("query"), builder.query());
-      continue;
-    }
-    if (why == kAskedSpread && label.empty() && rows.text("reference").empty()) {
-      labels.push_back({.query = *query, .is_spread = true});
-      continue;
-    }
-    const size_t sequence =
-        rows.has("sequence") ? builder.find_sequence(rows.text("sequence")) : only;
-    const size_t reference = rows.frame("reference", kMaxGrownFrames);
-    const size_t frames = builder.train(sequence).frames;
-    if (reference >= frames) {
-      builder.report_out_of_range("reference", rows.text("reference"), builder.train(sequence));
-      continue;
-    }
-    const size_t reach = rows.frame("tolerance", kMaxGrownFrames);
-    if (label != "same" && label != "different")
-      rows.fail("label \"{}\" is neither same nor different", label);
-    labels.push_back({*query, static_cast<uint32_t>(sequence), reference, label == "same",
-                      label == "same" ? reach : 0, why == kAskedSpread});
-    add_label(builder, *query, stretch_of(labels.back(), frames), all[{*query, sequence}]);
+    const auto label = read_label(builder, rows, source.range, only);
+    if (!label) continue;
+    labels.push_back(*label);
+    if (label->reference)
+      add_label(builder, label->query, stretch_of(*label, builder.train(label->sequence).frames),
+                all[{label->query, label->sequence}]);
   }
   const bool is_sample = std::ranges::any_of(labels, &PersonLabel::is_spread);
   std::map<std::pair<size_t, size_t>, RowLabels> counted_labels;
