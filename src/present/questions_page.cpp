@@ -135,7 +135,8 @@ AskedFrames frames_to_ask(const Evaluation& evaluation) {
   if (asked.spread.empty())
     asked.spread = spread_over(others, std::min(kSpreadFrames, others.size()));
   for (const size_t q : asked.spread) asked.is_sampled.insert(recorded(q));
-  std::erase_if(asked.spread, [&](size_t q) { return queries[q].best && !is_open(q); });
+  std::erase_if(asked.spread,
+                [&](size_t q) { return answer_to(evaluation, queries[q]).has_value(); });
   std::vector<size_t>& near = asked.near;
   for (const size_t q : others)
     if (!asked.is_sampled.contains(recorded(q)) && is_open(q)) near.push_back(q);
