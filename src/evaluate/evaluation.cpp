@@ -108,12 +108,16 @@ std::optional<std::string> tolerance_warning(const GroundTruth& truth, int64_t t
 void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const Monitor& monitor) {
   const GroundTruth& truth = evaluation.truth;
   if (!truth.is_known || !by.ground_truth) return;
+  const auto warn_of = [&](std::string_view what) {
+    evaluation.warned_of_ground_truth = true;
+    warn(monitor, "{}{}", by.warned_as.empty() ? "" : by.warned_as + ": ", what);
+  };
   if (const auto& radius = by.ground_truth->options.radius_m;
       radius && frames_with_match(evaluation.judgment.outcomes) == 0)
-    warn(monitor,
-         "no training frame is within {} m of a query frame. Do both paths have one unit and "
-         "origin?",
-         *radius);
+    return warn_of(fmt::format(
+        "no training frame is within {} m of a query frame. Do both paths have one unit and "
+        "origin?",
+        *radius));
   std::vector<MatchedFrame> matches;
   if (evaluation.result) matches = recognized_frames(evaluation);
   std::string noun = matches.empty() ? "best matches" : "recognitions";
@@ -134,9 +138,7 @@ void warn_of_truth(Evaluation& evaluation, const EvaluationSettings& by, const M
   std::optional<std::string> warning = tolerance_warning(truth, train_frames, matches, noun);
   if (!warning && most_are_incorrect && truth.asked.empty())
     warning = alignment_warning(evaluation, by, matches);
-  if (!warning) return;
-  evaluation.warned_of_ground_truth = true;
-  warn(monitor, "{}{}", by.warned_as.empty() ? "" : by.warned_as + ": ", *warning);
+  if (warning) warn_of(*warning);
 }
 
 // A caution about labels of frames that are not a sample, or that were made from these matches.

@@ -309,8 +309,12 @@ std::string frame_questions_page(const Evaluation& evaluation, const Report& rep
       {"known", known},
       {"note",
        fmt::format("The first {} of {} questions are spread along the query and make the estimate; "
-                   "the others are near the decision and set the threshold.{}",
+                   "the others are near the decision and set the threshold.{}{}",
                    in_sample, questions.size(),
+                   in_sample == asked.spread.size()
+                       ? ""
+                       : fmt::format(" The sample also has {} without a best match.",
+                                     counted(asked.spread.size() - in_sample, "frame")),
                    known.empty() ? ""
                                  : fmt::format(" {} from before are saved with your answers.",
                                                counted(known.size(), "label")))},

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/output.h"
+#include "base/rows.h"
 #include "base/text.h"
 #include "recordings/frame_order.h"
 
@@ -110,20 +111,35 @@ std::string with_slashes(std::string_view path) {
   return text;
 }
 
-// The lines of a list of images, which need not exist. Backslashes separate folders unless a file
-// has them in its name.
+// The separators of a list with a column of images; empty for one image per line.
+std::string_view table_separators(const fs::path& list, const std::string& text) {
+  if (is_there(list.parent_path() / first_line_of(text))) return "";
+  if (has_columns(first_row(text), {"image"})) return kTableSeparators;
+  const bool has_times = has_columns(first_row(text, kListSeparators), {"time", "image"});
+  return has_times ? kListSeparators : "";
+}
+
+// The images of a list, which need not exist: its lines, or a column. Backslashes separate folders
+// unless a file has them in its name.
 std::vector<std::string> read_list(const fs::path& list) {
   std::vector<std::string> names;
-  const std::string file = read_whole_file(list);
-  for (std::string_view line : split_lines(file)) {
-    line = line.substr(0, line.find_last_not_of(" \t") + 1);
-    if (line.empty() || line.starts_with('#')) continue;
-    if (line.find('\0') != std::string_view::npos)
-      throw Error(ErrorKind::input, "{}: is not a text file with one image path per line",
-                  list.string());
+  const auto add = [&](std::string_view name) {
     const bool is_windows =
-        line.find('\\') != std::string_view::npos && !is_there(list.parent_path() / line);
-    names.push_back(is_windows ? with_slashes(line) : std::string(line));
+        name.find('\\') != std::string_view::npos && !is_there(list.parent_path() / name);
+    names.push_back(is_windows ? with_slashes(name) : std::string(name));
+  };
+  const std::string file = read_whole_file(list);
+  if (file.find('\0') != std::string::npos)
+    throw Error(ErrorKind::input, "{}: is not a text file with one image path per line",
+                list.string());
+  if (const auto separators = table_separators(list, file); !separators.empty()) {
+    Rows rows(list, list.string(), {{"image"}, 1, true, separators, /*has_others=*/true});
+    while (rows.next()) add(rows.text("image"));
+  } else {
+    for (std::string_view line : split_lines(file)) {
+      line = line.substr(0, line.find_last_not_of(" \t") + 1);
+      if (!line.empty() && !line.starts_with('#')) add(line);
+    }
   }
   if (names.empty()) throw Error(ErrorKind::input, "{}: the list names no images", list.string());
   return names;

@@ -110,6 +110,19 @@ void require_equal(const std::filesystem::path& path, std::string_view column,
   known = has_column;
 }
 
+// Refuses poses with times that are not one per frame and that no times of frames associate.
+void require_one_per_frame(const Trajectory& found, const SideOptions& side,
+                           const FrameCount& frames) {
+  if (!side.files.times.empty() || found.times_ns.empty() || !found.names.empty() ||
+      frames.known().value_or(found.poses.size()) == found.poses.size())
+    return;
+  throw Error(ErrorKind::data,
+              "{}: has {}, but there are {} {} frames. Its poses have times: pass those of the "
+              "frames with --{}-times",
+              found.name, counted(found.poses.size(), "pose"), *frames.known(), side.name,
+              side.name);
+}
+
 /// With a larger share of pairs of the same place, many matches are correct by chance.
 constexpr double kLargeShare = 0.25;
 /// Limit of pairs of the same place, each of which is compared.
@@ -239,6 +252,7 @@ std::string read_trajectories(GroundTruthBuilder& builder) {
     // Frames without a line at the end of a file that numbers them.
     if (found.lines.empty() && count.known() && found.poses.size() < *count.known())
       found.poses.resize(*count.known());
+    require_one_per_frame(found, options, count);
     return poses_of_side(argument, side, std::move(found), names_of(builder, side),
                          builder.monitor());
   });
@@ -252,6 +266,7 @@ std::string read_gps(GroundTruthBuilder& builder) {
     const SideOptions options = side_options(argument, side);
     Trajectory found = read_fixes(options.poses, count.known());
     require_equal(options.poses, "floor", have_floors, found.has_floors);
+    require_one_per_frame(found, options, count);
     Poses poses =
         poses_of_side(argument, side, std::move(found), names_of(builder, side), builder.monitor());
     const size_t missing = count_unknown(poses);

@@ -66,6 +66,21 @@ int64_t even_time(size_t frame, double fps) {
   return std::llround(static_cast<double>(frame) * 1e9 / fps);
 }
 
+// The time of the current row. Blanks between cells also split a date, its time of day and its
+// zone.
+std::string_view time_cell(const Rows& rows) {
+  const std::string_view text = rows.text("time");
+  const auto cells = rows.cells();
+  const auto found = std::ranges::find(cells, text.data(), &std::string_view::data);
+  for (ptrdiff_t more = std::min<ptrdiff_t>(2, cells.end() - found - 1); more > 0; --more) {
+    const std::string_view last = found[more];
+    const std::string_view date(text.data(),
+                                static_cast<size_t>(last.data() + last.size() - text.data()));
+    if (parse_calendar_time(date)) return date;
+  }
+  return text;
+}
+
 std::string text_of(const SequenceArgument& argument) {
   return argument.path.string() + range_text(argument.range);
 }
@@ -296,7 +311,7 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
   bool are_integers = rows.header().empty();  // of two columns, the first one in seconds
   for (size_t i = 0; rows.next(); ++i) {
     const auto cells = rows.cells();
-    const std::string_view text = rows.text("time");
+    const std::string_view text = time_cell(rows);
     if (i == 0 && rows.header().empty() && !unit_of_time(text) && !parse_calendar_time(text))
       rows.fail(
           "its first line is neither a time nor a header with a column of times, such as \"time\" "

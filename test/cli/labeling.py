@@ -118,6 +118,7 @@ def label_frames(browser):
     # Frames before the first window are in the sample without a question.
     early = [int(line.split(",")[0]) for line in sample if ",,," in line]
     assert early and max(early) < min(asked), (early, min(asked))
+    assert f"also has {len(early)} frame" in browser.evaluate("document.body.textContent"), len(early)
     correct = sum("same" in line for line in sample)
     own = judge("result.json", "labels.csv")
     assert own["best_match"]["correct"] == correct, (own["best_match"], correct)

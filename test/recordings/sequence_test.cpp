@@ -112,6 +112,24 @@ TEST_CASE("backslashes of Windows separate folders") {
   CHECK_FALSE(names.find("z\\3.png"));
 }
 
+TEST_CASE("the images of a list may be a column with a header") {
+  const TemporaryFolder folder;
+  for (const char* name : {"1.png", "b c.png"}) write_text(folder / name, "");
+  const fs::path list = folder / "list.csv";
+  const std::vector<fs::path> images = {folder / "1.png", folder / "b c.png"};
+  for (const char* text :
+       {"image\n1.png\nb c.png\n", "time,Filename\n1.5,1.png\n2.5,b c.png\n",
+        ",path\n0,1.png\n1,\"b c.png\"\n", "# timestamp filename\n1.5 1.png\n2.5 \"b c.png\"\n"}) {
+    write_text(list, text);
+    CHECK(open_sequence({list, {}}).files == images);
+  }
+  write_text(folder / "image", "");
+  write_text(list, "image\n1.png\n");
+  CHECK(open_sequence({list, {}}).files == std::vector{folder / "image", folder / "1.png"});
+  write_text(list, "photo 1\nphoto 2\n");
+  CHECK(known_frame_names({list, {}}) == std::vector<std::string>{"photo 1", "photo 2"});
+}
+
 TEST_CASE("a byte order mark before a list is not part of a name") {
   write_text("list.txt", "\xef\xbb\xbf\x31.png\r\n2.png\r\n");
   write_text("1.png", "");

@@ -150,6 +150,8 @@ TEST_CASE("frames are located on a track by time") {
   argument.options.query.times.clear();
   argument.options.max_difference_s.reset();
   CHECK(read_labels(argument, 2, 2) == ".S ..");
+  check_refused([&] { read_labels(argument, 3, 2); }, "with --query-times");
+  check_refused([&] { read_labels(argument, 2, 3); }, "with --train-times");
 }
 
 TEST_CASE("times of fixes that decrease, repeat or are missing are refused") {

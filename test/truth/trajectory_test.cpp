@@ -148,11 +148,13 @@ TEST_CASE("lists of times may have headers, file names and ranges") {
         std::vector<int64_t>{1500000000000000000, 1500000000750000000});
   CHECK(read_time_list(file("d.txt", "1\n2\n3\n4\n").string() + "@1:4:2") ==
         std::vector<int64_t>{2000000000, 4000000000});
-  for (const char* text : {"frame,Time\n0,1.5\n1,2.25\n", "\"frame\",\"time\"\n0,1.5\n1,2.25\n",
-                           "frame;TIMESTAMP [s]\n0;1.5\n1;2.25\n", "frame,seconds\n0,1.5\n1,2.25\n",
-                           "time_ms\n1500\n2250\n", "nanoseconds\n1500000000\n2250000000\n",
-                           "time [ms]\n1500\n2250\n", "x [m] time ms y\n7 1500 1\n7 2250 2\n",
-                           "1970-01-01T00:00:01.5\n1970-01-01T00:00:02.25Z\n"})
+  for (const char* text :
+       {"frame,Time\n0,1.5\n1,2.25\n", "\"frame\",\"time\"\n0,1.5\n1,2.25\n",
+        "frame;TIMESTAMP [s]\n0;1.5\n1;2.25\n", "frame,seconds\n0,1.5\n1,2.25\n",
+        "time_ms\n1500\n2250\n", "nanoseconds\n1500000000\n2250000000\n", "time [ms]\n1500\n2250\n",
+        "x [m] time ms y\n7 1500 1\n7 2250 2\n", "1970-01-01T00:00:01.5\n1970-01-01T00:00:02.25Z\n",
+        "time\n1970-01-01 00:00:01.5\n1970-01-01 00:00:02.25+00:00\n",
+        "1970-01-01 00:00:01.5 a\n1970-01-01 01:00:02.25 +01:00\n"})
     CHECK(read_time_list(file("h.csv", text)) == both);
   for (const char* text :
        {"frame,clock\n0,1.5\n", "secs,nsecs\n0,5\n", "seconds,nanoseconds\n0,5\n",
