@@ -81,8 +81,8 @@ const std::vector<Role>& roles() {
       {"image",
        Quantity::none,
        {"name", "file", "filename"},
-       {"image_name", "image_path", "image_file", "image_filename", "img_name", "file_name",
-        "frame_name", "filepath", "path", "img", "key", "photo"}},
+       {"image_name", "image_path", "image_file", "image_filename", "img_name", "img_path",
+        "file_name", "file_path", "frame_name", "filepath", "path", "img", "key", "photo"}},
       {"score", Quantity::none, {"distance", "similarity", "rank"}}};
   return kRoles;
 }
@@ -149,6 +149,15 @@ bool is_padded(std::string_view text) {
          text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
+// Whether all words are names of columns, as in "# image x y z".
+bool are_columns(std::span<const std::string_view> words) {
+  return std::ranges::all_of(words, [](std::string_view word) {
+    return std::ranges::any_of(roles(), [&](const Role& role) {
+      return parse_name(std::string(word), role.name).has_value();
+    });
+  });
+}
+
 bool names_separator(std::string_view line) { return line.starts_with("sep="); }
 
 /// Splits text into rows of cells, in place: cells lose their quotes.
@@ -183,8 +192,8 @@ class Splitter {
       separator_ = separator == separators_.end() ? separators_.front() : *separator;
       const size_t row = at_;
       skip_blanks();
-      const bool is_header =
-          reads_header_ && comment_ > 0 && text_[at_] != '"' && parse_real(cell());
+      const bool is_header = reads_header_ && comment_ > 0 && text_[at_] != '"' &&
+                             (parse_real(cell()) || comment_names_cells(row));
       at_ = is_header ? comment_ : row;
       if (is_header) read_cells(cells);
       at_ = row;
@@ -199,6 +208,20 @@ class Splitter {
  private:
   std::string_view view(size_t begin, size_t end) const {
     return std::string_view(text_).substr(begin, end - begin);
+  }
+
+  // Whether the last comment names a column for each cell of the row at `row`. Not with quotes,
+  // which cannot be read twice.
+  bool comment_names_cells(size_t row) {
+    std::vector<std::string_view> names;
+    std::vector<std::string_view> values;
+    for (auto [begin, cells] : {std::pair(comment_, &names), std::pair(row, &values)}) {
+      const size_t end = std::min(text_.find('\n', begin), text_.size());
+      if (view(begin, end).find('"') != std::string_view::npos) return false;
+      at_ = begin;
+      read_cells(*cells);
+    }
+    return names.size() == values.size() && are_columns(names);
   }
 
   bool take(char c) {
@@ -262,6 +285,13 @@ class Splitter {
   size_t comment_ = 0;  // after the # of the last one; 0: none
 };
 
+// Whether a row is 0, 1, 2, ..., as pandas names columns without names.
+bool counts_columns(std::span<const std::string_view> cells) {
+  for (size_t i = 0; i < cells.size(); ++i)
+    if (cells[i] != std::to_string(i)) return false;
+  return cells.size() > 2;
+}
+
 // "query,match[,score]".
 std::string columns_text(const RowRules& rules) {
   std::string text;
@@ -303,6 +333,12 @@ std::string_view no_number_hint(std::string_view text) {
   return is_padded(text) ? " because of its leading zeros. Frames count from 0" : "";
 }
 
+std::string_view decimal_comma_hint(std::string_view text) {
+  std::string with_point(text);
+  std::ranges::replace(with_point, ',', '.');
+  return text.find(',') < text.size() && parse_real(with_point) ? ". Write decimal points" : "";
+}
+
 std::optional<double> parse_real(std::string_view text) {
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   const auto value = parse_number<double>(text);
@@ -310,7 +346,8 @@ std::optional<double> parse_real(std::string_view text) {
 }
 
 bool is_missing(std::string_view cell) {
-  constexpr std::array<std::string_view, 6> kMissing = {"", "nan", "NaN", "NAN", "-nan", "-NaN"};
+  constexpr std::array<std::string_view, 9> kMissing = {"",     "nan",  "NaN", "NAN", "-nan",
+                                                        "-NaN", "null", "NA",  "N/A"};
   return std::ranges::find(kMissing, cell) != kMissing.end();
 }
 
@@ -362,6 +399,11 @@ Rows::Rows(const std::filesystem::path& path, const std::string& name, const Row
     first_ = next_ = first.empty() ? 0 : 1;
     if (splitter.separator() == ' ' && rows_.size() > 2) join_names(cells_of(1).size());
   } else {
+    const auto has_point = [](std::string_view cell) { return cell.find('.') < cell.size(); };
+    if (counts_columns(first) && rows_.size() > 2 && std::ranges::any_of(cells_of(1), has_point))
+      fail(
+          "its first line, 0, 1, 2, ..., seems to be a header of pandas. Name the columns, or omit "
+          "it, as in to_csv(header=False)");
     header_.assign(rules.columns.begin(), rules.columns.end());
     if (!rules.is_ragged && !first.empty()) header_.resize(std::min(header_.size(), first.size()));
   }
@@ -462,7 +504,8 @@ size_t Rows::frame(std::string_view column, size_t most) const {
 void Rows::refuse(std::string_view column, std::string_view what) const {
   const std::string_view cell = text(column);
   const bool may_be_header = header_.empty() && next_ == 1 && !parse_real(row_.front());
-  fail("{} \"{}\" is not a {}{}{}", column, shortened(cell), what, no_number_hint(cell),
+  fail("{} \"{}\" is not a {}{}{}{}", column, shortened(cell), what, no_number_hint(cell),
+       decimal_comma_hint(cell),
        may_be_header ? ". A header has the columns " + columns_text(rules_) : "");
 }
 

@@ -45,6 +45,8 @@ struct FrameText {
 std::optional<FrameText> parse_frame(std::string_view text);
 /// The end of a sentence: why `text` is not a frame number; empty unless it has leading zeros.
 std::string_view no_number_hint(std::string_view text);
+/// A sentence to append if `text` is a number with a decimal comma; otherwise empty.
+std::string_view decimal_comma_hint(std::string_view text);
 
 /// Parses a finite number with a decimal point in any locale; a leading + is allowed. Nullopt
 /// otherwise.

@@ -86,6 +86,18 @@ bool are_rankings(Rows& rows) {
   return found;
 }
 
+// Refuses a first line "0,1", as pandas names two columns: its query has one pair more than others.
+void refuse_counted_header(const std::vector<Prediction>& all) {
+  if (all.size() < 3 || all[0].query != "0" || all[0].reference != "1" || all[0].score) return;
+  const auto pairs_of = [&](const std::string& query) {
+    return std::ranges::count(all, query, &Prediction::query);
+  };
+  if (all.back().query != "0" && pairs_of("0") == pairs_of(all.back().query) + 1)
+    all[0].location.fail(
+        "0,1 is a pair or a header of pandas. Name the columns query,reference, or omit the "
+        "header, as in to_csv(header=False)");
+}
+
 // Pairs with or without a score, or one line per query: its name and its references, best first.
 PredictionList read_list(const fs::path& path) {
   Rows rows(path, path.string(),
@@ -129,11 +141,13 @@ PredictionList read_list(const fs::path& path) {
     Prediction prediction{std::string(rows.text("query")), std::string(rows.text("reference")),
                           rows.number("score"), rows.location()};
     if (!prediction.score && !rows.text("score").empty())
-      rows.fail("the score {} is not a finite number", rows.text("score"));
+      rows.fail("the score {} is not a finite number{}", rows.text("score"),
+                decimal_comma_hint(rows.text("score")));
     if (!list.all.empty() && list.all.front().score.has_value() != prediction.score.has_value())
       rows.fail("either all lines or none must have a score");
     list.all.push_back(std::move(prediction));
   }
+  if (rows.header().empty() && !list.are_rankings) refuse_counted_header(list.all);
   return list;
 }
 

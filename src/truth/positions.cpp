@@ -35,8 +35,8 @@ bool is_pose_header(const std::vector<std::string>& header) {
 double read_degrees(const Rows& rows, std::string_view column, std::string_view what) {
   const auto value = rows.number(column);
   if (!value)
-    rows.fail("the {} \"{}\" is not a number in degrees. Leave both empty if there is no fix", what,
-              rows.text(column));
+    rows.fail("the {} \"{}\" is not a number in degrees{}. Leave both empty if there is no fix",
+              what, rows.text(column), decimal_comma_hint(rows.text(column)));
   return *value;
 }
 

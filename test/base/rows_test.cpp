@@ -75,6 +75,9 @@ TEST_CASE("lines that begin with # are comments, unless they are the header of n
   CHECK(cells_of("# match,query\n1,2\n", kList) == "2 1|2");
   CHECK(cells_of("#\nquery,reference\n\"1\"\"\",\"2\"\n", pairs) == "3 1\"|2");
   CHECK(cells_of("# query,reference\n 1,\"2\"\"\"\n", pairs) == "2 1|2\"");
+  const RowRules images = {.columns = {"image", "x"}, .needed = 2, .separators = kListSeparators};
+  CHECK(cells_of("# my photos\n# image x\na.png 1\n", images) == "3 a.png|1");
+  CHECK(test::has(refusal("# image x y\na.png 1\n", images), "has no column image"));
 }
 
 TEST_CASE("columns are found by any of their names, with a unit") {
@@ -148,4 +151,14 @@ TEST_CASE("missing, repeated and unknown columns are refused") {
   CHECK(test::has(test::error_text([&] { rows.frame("score"); }),
                   "score \"07\" is not a frame number because of its leading zeros"));
   CHECK(test::has(test::error_text([&] { rows.frame("query", 4); }), "query \"5\" is not"));
+  test::write_text("rows.csv", "query;match\n1;0,5\n");
+  Rows german("rows.csv", "rows.csv", {{"query", "match"}, 2});
+  REQUIRE(german.next());
+  CHECK(test::has(test::error_text([&] { german.real("match"); }), "Write decimal points"));
+}
+
+TEST_CASE("the numbers that pandas writes as names of columns are refused") {
+  CHECK(test::has(refusal("0,1,2\n5,3,0.5\n", kList), "pandas"));
+  CHECK(cells_of("0,1,2\n1,3,5\n", kList) == "1 0|1|2 / 2 1|3|5");
+  CHECK(test::has(refusal("0 1 2\n1 3 0.5\n", kList), "pandas"));
 }

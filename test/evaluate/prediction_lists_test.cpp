@@ -110,6 +110,12 @@ TEST_CASE("a header states the order of the scores, and ranks are none") {
   CHECK(test::has(ranked.error(ScoreOrder::similarity), "ranks are distances"));
 }
 
+TEST_CASE("a first pair that may be a header of pandas is refused") {
+  const std::string pairs = "0,2\n0,3\n1,1\n1,2\n";
+  CHECK(test::has(List("0,1\n" + pairs, "list.csv").error(), "header of pandas"));
+  CHECK_FALSE(test::has(List("0,1\n" + pairs + "1,3\n", "list.csv").error(), "pandas"));
+}
+
 TEST_CASE("rankings begin with the query, or are refused") {
   const auto rows = [](const std::string& text) { return rows_of(List(text).matrix({}, {}, {})); };
   CHECK(rows("0 0 2 1\n1 1 0\n") == " 1 3 2 | 2 1 -");  // a query among its references
