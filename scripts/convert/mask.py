@@ -32,6 +32,8 @@ def convert(arguments):
         if isinstance(error, OSError) and error.errno is not None:
             raise
         raise common.Refusal(common.DATA, f"{path}: cannot decode image") from None
+    if mask.max(initial=0) == 1:
+        raise common.Refusal(common.DATA, f"{path}: has only 0 and 1; multiply it by 255, the value of the same place")
     output = io.BytesIO()
     if arguments.output.suffix == ".npz":
         numpy.savez_compressed(output, GThard=mask.T == 255, GTsoft=mask.T > 0)

@@ -24,9 +24,13 @@ bool is_by_time(Rows& rows, const Trajectory& trajectory, LoopFrames frames) {
   bool are_beyond = rows.size() > 0 && !trajectory.times_ns.empty();
   while (rows.next())
     for (const std::string_view text : {rows.text("query"), rows.text("match")}) {
-      is_time = is_time || (parse_real(text) && text.find_first_of(".eE") < text.size());
       const auto frame = parse_frame(text);
-      if (frame && frame->in_range && frame->value < trajectory.poses.size()) are_beyond = false;
+      const bool is_index = frame && frame->in_range && frame->value < trajectory.poses.size();
+      // numpy.savetxt writes 7 as 7.000000000000000000e+00.
+      const bool is_integer = is_index && text.find('e') < text.size();
+      is_time =
+          is_time || (parse_real(text) && text.find_first_of(".eE") < text.size() && !is_integer);
+      if (is_index) are_beyond = false;
     }
   return is_time || are_beyond;
 }

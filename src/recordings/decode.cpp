@@ -138,6 +138,11 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
                 "{}: has {} pixels, which are not supported. Convert them to unsigned integers of "
                 "8 or 16 bits, with 0 for black",
                 path.string(), header.unread);
+  if (header.has_pages)
+    throw Error(ErrorKind::input,
+                "{}: has several pages, but an image is one frame. Split it, as in convert {} "
+                "page-%05d.png",
+                path.string(), path.filename().string());
   if (file.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
     fail("the file is larger than 2 GiB");
   const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8U, const_cast<char*>(file.data()));

@@ -88,6 +88,7 @@ struct ImageHeader {
   uint64_t tile_height = 0;
   std::string unread;      ///< TIFF: the kind of pixels, such as "signed", that are not supported
   std::string kind;        ///< TIFF: its pixels, for a message; empty: other formats
+  bool has_pages = false;  ///< TIFF: more than one; copies in other sizes do not count
   bool is_16_bit = false;  ///< PNG, TIFF, PGM and PPM: 16 bits per channel
   /// WebP: EXIF orientation 1 to 8, which OpenCV applies to other formats. 1: as stored.
   int orientation = 1;

@@ -47,6 +47,19 @@ void for_each_tag(std::string_view file, Use&& use) {
   }
 }
 
+// Whether a second page follows that is no smaller copy or mask of the first one.
+bool has_pages(std::string_view file) {
+  constexpr uint64_t kSubfileType = 254;
+  constexpr uint64_t kCopyOrMask = 1 | 4;
+  const ByteReader reader{file, file.starts_with("II")};
+  const uint64_t first = reader.number(4, 4);
+  const uint64_t second = reader.number(first + 2 + 12 * reader.number(first, 2), 4);
+  if (second == 0) return false;
+  const uint64_t entry = second + 2;
+  const bool has_type = reader.number(entry, 2) == kSubfileType;  // the lowest tag
+  return !has_type || (reader.number(entry + 8, 4) & kCopyOrMask) == 0;
+}
+
 ImageHeader tiff_header(std::string_view file) {
   constexpr std::array kFormats = {"", "", "signed", "floating-point", "", "complex", "complex"};
   ImageHeader header;
@@ -66,6 +79,7 @@ ImageHeader tiff_header(std::string_view file) {
   if (header.unread.empty() && bits > 16) header.unread = fmt::format("{}-bit", bits);
   if (header.unread.empty() && bits > 8 && samples == 1 && photometric == 0)
     header.unread = "inverted (MINISWHITE)";
+  header.has_pages = has_pages(file);
   header.kind = fmt::format("TIFF of {} bits and {} channels", bits, samples);
   header.is_16_bit = bits == 16 && header.unread.empty();
   return header;

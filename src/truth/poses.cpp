@@ -65,6 +65,8 @@ std::string match_sides(GroundTruthBuilder& builder, Read&& read,
     const SideOptions options = side_options(argument, side);
     builder.at_file(options.poses);  // for errors about the whole file
     Poses poses = read(side, frames);
+    if (options.files.times.empty() && !poses.empty() && count_unknown(poses) == poses.size())
+      throw Error(ErrorKind::data, "{}: no frame has a known pose", options.poses.string());
     if (!options.files.times.empty()) builder.at_file(options.files.times);
     return poses;
   };

@@ -21,6 +21,8 @@ image.fromarray(mask == 255).save(folder / "one.png")
 support.good(convert(folder / "one.png", "-o", folder / "g.npy", "--force"))
 assert (numpy.load(folder / "g.npy") == (mask == 255)).all()
 support.named(folder / "m.png", "mask.py")
+image.fromarray((mask == 255).astype("u1")).save(folder / "01.png")
+support.refused(convert(folder / "01.png", "-o", folder / "x.npz"), 4, "only 0 and 1")
 
 image.fromarray(mask).save(folder / "m.jpg")
 support.refused(convert(folder / "m.jpg", "-o", folder / "x.npz"), 4, "JPEG")

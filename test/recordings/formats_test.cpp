@@ -204,6 +204,17 @@ TEST_CASE("images that would shift frame numbers, and formats that are not read,
   write_text(folder / "s.tif", tiff({{256, 1}, {257, 1}, {258, 16}, {262, 1}, {339, 2}}));
   CHECK_THROWS_WITH(decode_image(folder / "s.tif", PixelFormat::gray),
                     Catch::Contains("signed pixels"));
+  const cv::Mat page(4, 4, CV_8UC1, cv::Scalar(9));
+  cv::imwritemulti(folder / "p.tif", std::vector<cv::Mat>{page, page});
+  CHECK_THROWS_WITH(decode_image(folder / "p.tif", PixelFormat::gray),
+                    Catch::Contains("several pages"));
+  // A second directory at byte 34: a smaller copy of the first page, then a page.
+  std::string file = tiff({{258, 16}});
+  file.replace(22, 4, little(34, 4));
+  file += little(1, 2) + little(254, 2) + little(4, 2) + little(1, 4) + little(1, 4) + little(0, 4);
+  CHECK_FALSE(read_image_header(file).has_pages);
+  file[44] = 0;
+  CHECK(read_image_header(file).has_pages);
   // Tiles of 32768 x 32768 pixels for an image of one pixel.
   for (const bool is_long8 : {false, true}) {
     write_text(folder / "t.tif", tiff({{322, 32768}, {322, 16}, {323, 32768}}, is_long8));

@@ -55,6 +55,9 @@ TEST_CASE("ranges of pose files are those of the sequences") {
   argument.options.reference = "all.csv";
   CHECK(test::has(read_ground_truth(argument, {{"", 3}, {{"ref", 6}}}).protocol,
                   "1 query and 1 training frames without a pose"));
+  write_text("none.csv", "frame,x,y\n0,NA,\n1,nan,nan\n");
+  argument.path = "none.csv";
+  test::check_refused([&] { read_labels(argument, 2, 5); }, "none.csv: no frame has a known pose");
 }
 
 TEST_CASE("poses need a radius, and one that includes nearly all pairs causes a warning") {
