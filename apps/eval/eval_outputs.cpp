@@ -68,7 +68,8 @@ FrameTimes times_of(const Evaluation& evaluation, const GroundTruthOptions& opti
   const bool is_recorded = query.selection.speed.empty();  // other frames have no times
   std::vector<int64_t> times_ns;
   if (is_recorded && !options.query.times.empty()) {
-    times_ns = read_frame_times(options.query.times, monitor);
+    times_ns = read_frame_times(
+        options.query.times, names_or_none(evaluation.judgment.layout.scope.query_names), monitor);
     if (times_ns.size() < query.recorded_frames())
       throw Error(ErrorKind::data, "{}: has {}, the query has {}", options.query.times.string(),
                   counted(times_ns.size(), "time"), counted(query.recorded_frames(), "frame"));

@@ -31,7 +31,7 @@ std::vector<int64_t> times_of_names(const SequenceSource& source, const std::str
   try {
     if (source.is_one_array())
       throw Error(ErrorKind::data, "{}: the rows have no times", source.argument.path.string());
-    const std::vector<int64_t> times = read_frame_times(query, monitor);
+    const std::vector<int64_t> times = read_frame_times(query, {}, monitor);
     if (may_be_numbers(times))
       warn(monitor,
            "{}: the names of its frames, {} to {}, are interpreted as seconds; if they count "
@@ -77,8 +77,8 @@ QueryData describe_loop(const QueryInputs& inputs, const SequenceQuerySettings& 
   const bool needs_times = std::holds_alternative<double>(settings.past->gap);
   const SequenceSource source = open_sequence(inputs.query.sequence);
   if (needs_times)
-    data.times_ns =
-        times.empty() ? times_of_names(source, path, monitor) : read_frame_times(times, monitor);
+    data.times_ns = times.empty() ? times_of_names(source, path, monitor)
+                                  : read_frame_times(times, file_names(source), monitor);
   data.query = describe_own(source, settings, monitor);
   const size_t frames = data.query.rows().size();
   if (needs_times && data.times_ns.size() != frames)

@@ -24,6 +24,7 @@ constexpr int64_t kMinTime = -(int64_t{1} << 61);
 constexpr int64_t kMaxTime = int64_t{1} << 62;
 /// Longer dates, which have many digits below nanoseconds, are refused.
 constexpr size_t kMaxDate = 64;
+constexpr int64_t kYear = 31'536'000 * kSecond;
 constexpr size_t kDigitsOfClock = 10;  // seconds since 1970
 
 /// Plausible steps between frames or poses, in nanoseconds; and those of clocks from 1970.
@@ -81,6 +82,51 @@ std::string_view time_cell(const Rows& rows) {
   return text;
 }
 
+/// A line of a list of times.
+struct ListedTime {
+  int64_t time = 0;
+  size_t line = 0;
+  std::string image = {};  // empty: not named
+};
+
+// The times of frames by the names of their images; nullopt if no line names one of them.
+std::optional<std::vector<int64_t>> times_by_name(const std::vector<ListedTime>& listed,
+                                                  const std::vector<std::string>& names,
+                                                  const std::string& file) {
+  const FrameNames frames(names);
+  std::vector<const ListedTime*> found(names.size());
+  for (const ListedTime& one : listed)
+    if (const auto frame = one.image.empty() ? std::nullopt : frames.find(one.image))
+      found[*frame] = &one;
+  if (std::ranges::all_of(found, [](const auto* one) { return one == nullptr; }))
+    return std::nullopt;
+  std::vector<int64_t> times;
+  FileLocation location{file};
+  for (size_t frame = 0; frame < names.size(); ++frame) {
+    if (found[frame] == nullptr) location.fail("has no time of {}", names[frame]);
+    location.at("line", found[frame]->line);
+    if (frame > 0 && found[frame]->time <= times.back())
+      location.fail(
+          "{} is not later than {}, which is before it in the sequence. Pass a list of the images "
+          "in the order of their times",
+          names[frame], names[frame - 1]);
+    times.push_back(found[frame]->time);
+    location = {file};
+  }
+  return times;
+}
+
+std::vector<int64_t> times_in_order(const std::vector<ListedTime>& listed,
+                                    const std::string& file) {
+  std::vector<int64_t> times;
+  for (const ListedTime& one : listed) {
+    if (!times.empty() && one.time <= times.back())
+      refuse_time_order({file, "line", one.line}, times.back(), one.time);
+    times.push_back(one.time);
+  }
+  return times;
+}
+
 std::string text_of(const SequenceArgument& argument) {
   return argument.path.string() + range_text(argument.range);
 }
@@ -106,7 +152,7 @@ std::optional<std::vector<int64_t>> find_times(const SequenceSource& sequence,
                                                const std::filesystem::path& file,
                                                std::optional<double> recorded_fps,
                                                const Monitor& monitor) {
-  if (!file.empty()) return read_frame_times(file, monitor);
+  if (!file.empty()) return read_frame_times(file, file_names(sequence), monitor);
   const SequenceArgument& argument = sequence.argument;
   if (sequence.kind == SequenceKind::video) return read_video_times(argument, monitor);
   if (states_times(sequence)) return times_of_names(sequence);
@@ -285,8 +331,9 @@ int64_t TimeReader::read(const FileLocation& location, std::string_view text) {
   auto time = unit_ ? parse_time(text, *unit_) : std::nullopt;
   if (!time) time = parse_calendar_time(text);
   if (!time)
-    location.fail("\"{}\" is not a valid time. Use numbers, or dates such as 2020-03-23T12:00:10Z",
-                  text);
+    location.fail(
+        "\"{}\" is not a valid time{}. Use numbers, or dates such as 2020-03-23T12:00:10Z", text,
+        decimal_comma_hint(text));
   return *time;
 }
 
@@ -296,17 +343,18 @@ int64_t TimeReader::read_next(const FileLocation& location, std::string_view tex
   return *(last_ = time);
 }
 
-std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
+std::vector<int64_t> read_time_list(const std::filesystem::path& path,
+                                    const std::vector<std::string>& names) {
   const SequenceArgument source = parse_sequence_argument(path.string());
   Rows rows(source.path, path.string(),
-            {{"time"},
+            {{"time", "image"},
              1,
              /*needs_header=*/false,
              kListSeparators,
              /*has_others=*/true,
              /*is_ragged=*/true});
   TimeReader reader(unit_of_times(rows, "time"));
-  std::vector<int64_t> times;
+  std::vector<ListedTime> listed;
   bool are_frames = rows.header().empty();    // the first of two columns counts them
   bool are_integers = rows.header().empty();  // of two columns, the first one in seconds
   for (size_t i = 0; rows.next(); ++i) {
@@ -320,10 +368,17 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
         are_frames && cells.size() == 2 && cells[0] == std::to_string(i) && unit_of_time(cells[1]);
     are_integers = are_integers && cells.size() == 2 && parse_number<int64_t>(cells[0]) &&
                    parse_number<int64_t>(cells[1]) && unit_of_time(cells[0]) == TimeUnit::seconds;
-    const int64_t time = reader.read_next(rows.location(), text);
-    if (frame_in_range(source.range, i)) times.push_back(time);
+    const std::string_view image = rows.text("image");
+    const ListedTime line{reader.read(rows.location(), text), rows.line(),
+                          std::string(parse_real(image) ? "" : image)};
+    if (i == 1 && rows.header().empty() && listed.size() == 1 && listed[0].time == 0 &&
+        cells.size() == 1 && line.time > kYear)
+      rows.fail(
+          "the line before, 0, seems to be a header of pandas. Name the column \"time\", or omit "
+          "the header, as in to_csv(header=False)");
+    if (frame_in_range(source.range, i)) listed.push_back(line);
   }
-  if (times.empty()) rows.fail("has no times");
+  if (listed.empty()) rows.fail("has no times");
   if (are_frames && rows.size() > 1)
     rows.fail(
         "its first column counts 0, 1, 2, ... Add a first line that names the columns, such as "
@@ -332,16 +387,19 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path) {
     rows.fail(
         "its second column may be a fraction of the first one. Use a decimal point, or add a first "
         "line that names the columns, such as time,frame");
-  return times;
+  if (auto times = times_by_name(listed, names, path.string())) return *std::move(times);
+  return times_in_order(listed, path.string());
 }
 
-std::vector<int64_t> read_frame_times(const std::filesystem::path& path, const Monitor& monitor) {
+std::vector<int64_t> read_frame_times(const std::filesystem::path& path,
+                                      const std::vector<std::string>& names,
+                                      const Monitor& monitor) {
   const SequenceArgument source = parse_sequence_argument(path.string());
   std::error_code error;
   if (std::filesystem::is_directory(source.path, error))
     return times_of_names(open_sequence(source));
   const bool is_text = read_file_start(source.path, kFileStart).find('\0') == std::string::npos;
-  return is_text ? read_time_list(path) : read_video_times(source, monitor);
+  return is_text ? read_time_list(path, names) : read_video_times(source, monitor);
 }
 
 bool is_named_by_time(const std::filesystem::path& file) {

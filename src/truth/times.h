@@ -78,15 +78,21 @@ class TimeReader {
 /// times.txt and TUM's rgb.txt, or the column `time` of a header. A range after the
 /// path selects frames. Throws Error(input) if it cannot be read; Error(data), with the line, for
 /// invalid times, times that do not increase, a first line that is neither a time nor such a
-/// header, and two columns without a header of which the first counts frames.
-std::vector<int64_t> read_time_list(const std::filesystem::path& path);
+/// header, two columns without a header of which the first counts frames, and a first line that
+/// seems to be pandas' header "0". If the column `image`, the second one without a header, names
+/// some of the frames `names`, each frame has the time of the line with its name; Error(data) if
+/// one has none.
+std::vector<int64_t> read_time_list(const std::filesystem::path& path,
+                                    const std::vector<std::string>& names = {});
 
 /// Times in nanoseconds, one per frame: from a list (read_time_list), from the names of the images
 /// of a folder, which must be numbers (1305031102.175304.png, 1403636579763555584.png), or from a
 /// video, relative to its first frame. A range after the path selects frames. Throws Error(input)
 /// if the path cannot be read; Error(data), with the image or line, for invalid times and times
-/// that do not increase.
-std::vector<int64_t> read_frame_times(const std::filesystem::path& path, const Monitor& monitor);
+/// that do not increase. `names`: of the frames, if known (read_time_list).
+std::vector<int64_t> read_frame_times(const std::filesystem::path& path,
+                                      const std::vector<std::string>& names,
+                                      const Monitor& monitor);
 
 /// Whether the name of an image, without its extension, is a time: a number with a decimal point or
 /// at least ten digits.

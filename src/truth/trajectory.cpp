@@ -232,7 +232,10 @@ std::optional<double> angle_between(const Pose& a, const Pose& b) {
 }
 
 void refuse_angle(const std::string& file, size_t frame) {
-  throw Error(ErrorKind::data, "{}: frame {} has no heading, which --angle needs", file, frame);
+  throw Error(
+      ErrorKind::data,
+      "{}: frame {} has no heading, which --angle needs. Its column is \"heading\", in degrees",
+      file, frame);
 }
 
 void warn_of_headings(const std::string& file, const Poses& poses, const Monitor& monitor) {
@@ -323,8 +326,9 @@ Trajectory read_trajectory(const std::filesystem::path& path, const std::filesys
   Trajectory found = read_any(path);
   std::optional<LocalPlane> plane;
   flatten(found, plane);
+  const bool has_own_times = !found.times_ns.empty();
   if (!times.empty()) add_times(found, times, times.string());
-  if (found.has_certain_names && found.times_ns.empty())
+  if (found.has_certain_names && !has_own_times)
     throw Error(ErrorKind::usage,
                 "{}: names its frames in any order. Write one pose per frame, in their order",
                 path.string());
@@ -389,6 +393,14 @@ std::string describe_times(const GroundTruthArgument& argument, bool are_fixes) 
   return words;
 }
 
+std::vector<std::string> names_or_none(const NameReader& names) {
+  try {
+    return names ? names() : std::vector<std::string>();
+  } catch (const Error&) {
+    return {};
+  }
+}
+
 Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Trajectory trajectory,
                     const NameReader& names, const Monitor& monitor) {
   const SideOptions side = side_options(argument, pose_side);
@@ -413,7 +425,7 @@ Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Tra
                 trajectory.name, side.name);
   require_rising_times(trajectory);
   remove_unknown(trajectory);
-  return associate(trajectory, read_frame_times(files.times, monitor),
+  return associate(trajectory, read_frame_times(files.times, names_or_none(names), monitor),
                    rules_of(argument, side, trajectory.is_on_earth), files.times.string(), monitor);
 }
 

@@ -141,6 +141,9 @@ SideOptions side_options(const GroundTruthArgument& argument, PoseSide side);
 /// are GPS fixes, whose default of --max-difference is larger.
 std::string describe_times(const GroundTruthArgument& argument, bool are_fixes = false);
 
+/// The names of the frames for a list of times, which need not be known; empty if they are not.
+std::vector<std::string> names_or_none(const NameReader& names);
+
 /// The poses of the frames of one side: by time if the options have the times of frames (as
 /// associate() does; poses without a position are removed first); by name if the file has names
 /// (without folders, with or without extension), of the images in the options or else of `names`,

@@ -219,10 +219,10 @@ TEST_CASE("names of images are times") {
   std::filesystem::create_directory("walk");
   for (const char* name : {"1305031102.25.png", "1305031101.5.png", "1305031103.png"})
     test::write_image(std::string("walk/") + name, 1);
-  CHECK(read_frame_times("walk", {}) ==
+  CHECK(read_frame_times("walk", {}, {}) ==
         std::vector<int64_t>{1305031101500000000, 1305031102250000000, 1305031103000000000});
-  CHECK(read_frame_times("walk@1:2", {}) == std::vector<int64_t>{1305031102250000000});
+  CHECK(read_frame_times("walk@1:2", {}, {}) == std::vector<int64_t>{1305031102250000000});
   test::write_image("walk/last.png", 1);
-  CHECK(test::has(test::error_text([&] { read_frame_times("walk", {}); }),
+  CHECK(test::has(test::error_text([&] { read_frame_times("walk", {}, {}); }),
                   "last.png: \"last\" is not a valid time"));
 }

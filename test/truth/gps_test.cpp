@@ -196,7 +196,7 @@ TEST_CASE("formats that scripts convert are refused with the script") {
   check_refused([&] { read_trajectory("t.tcx", {}); }, "-i gtrnctr", ErrorKind::usage);
   refused("photos", "exif.py", ErrorKind::data);
   check_refused([&] { read_trajectory("t.gpx", {}); }, "gpx.py", ErrorKind::usage);
-  check_refused([&] { read_frame_times("photos", {}); }, "exif.py");
+  check_refused([&] { read_frame_times("photos", {}, {}); }, "exif.py");
 }
 
 TEST_CASE("trajectories and maps of fixes are projected to a plane at the first fix") {

@@ -124,6 +124,8 @@ TEST_CASE("trajectories of TUM, EuRoC and KITTI are detected, with their times i
   CHECK(test::error_kind([&] { read_trajectory(file.folder / "tum.txt", times); }) ==
         ErrorKind::usage);
   CHECK(read_trajectory(file("p.csv", "frame,x,y\n2,5,6\n"), {}).poses.size() == 3);
+  const auto named = file("n.csv", "image,x,y\nb.png,5,6\na.png,5,6\n");
+  test::check_refused([&] { read_trajectory(named, times); }, "in any order", ErrorKind::usage);
   CHECK(test::error_kind([&] { read_trajectory(file("n", "1 2 3\n"), {}); }) == ErrorKind::usage);
 }
 
@@ -160,6 +162,26 @@ TEST_CASE("lists of times may have headers, file names and ranges") {
        {"frame,clock\n0,1.5\n", "secs,nsecs\n0,5\n", "seconds,nanoseconds\n0,5\n",
         "a.png,1.5\nb.png,2.25\n", "0,1.5\n1,2.25\n", "0 1.5\n1 2.25\n", "1,5\n2,25\n"})
     CHECK(test::has(test::error_text([&] { read_time_list(file("n.csv", text)); }), "time"));
+  CHECK(test::has(
+      test::error_text([&] { read_time_list(file("p.csv", "0\n1500000000.1\n1500000000.2\n")); }),
+      "header of pandas"));
+}
+
+TEST_CASE("frames have the times of the lines that name their images") {
+  const TextFiles file;
+  const std::vector<std::string> names = {"9.png", "10.png"};
+  const auto list = file("l.csv", "time,image\n1,rgb/8.png\n3,rgb/10.png\n2,rgb/9.png\n");
+  CHECK(read_time_list(list, names) == std::vector<int64_t>{2 * kSecond, 3 * kSecond});
+  CHECK(read_time_list(file("h.txt", "# times\n2 9.png\n3.5 10.png\n4 11.png\n"), names).back() ==
+        3500000000);
+  CHECK(read_time_list(file("o.txt", "2 a.png\n3 b.png\n"), names).size() == 2);  // by order
+  test::check_refused([&] { read_time_list(list, {"10.png", "11.png"}); }, "has no time of 11.png");
+  test::check_refused(
+      [&] {
+        read_time_list(list, {"10.png", "9.png"});
+      },
+      "l.csv, line 4: 9.png is not later than 10.png");
+  test::check_refused([&] { read_time_list(list); }, "l.csv, line 4: its time");
 }
 
 TEST_CASE("loops have the unit of their trajectory, and gaps without effect are named") {
@@ -172,6 +194,9 @@ TEST_CASE("loops have the unit of their trajectory, and gaps without effect are 
   CHECK(read_loops(file("l.csv", "18003900000000,18000000000000\n"), trajectory).loops[0].query ==
         39);
   CHECK(read_loops(file("s.csv", "18003.9,18000.1\n"), trajectory).loops[0].match == 1);
+  // numpy.savetxt writes all numbers so.
+  CHECK(read_loops(file("n.csv", "3.9000000e+01,1.0000000e+00\n"), trajectory).loops[0].query ==
+        39);
   const auto fault = [&](const char* gap) {
     return gap_fault(parse_loop_gap(gap, "--gap"), trajectory.times_ns, 40);
   };
