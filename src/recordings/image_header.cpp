@@ -47,7 +47,7 @@ void for_each_tag(std::string_view file, Use&& use) {
   }
 }
 
-// Whether a second page follows that is no smaller copy or mask of the first one.
+// Whether a second page follows that is not a smaller copy or a mask of the first one.
 bool has_pages(std::string_view file) {
   constexpr uint64_t kSubfileType = 254;
   constexpr uint64_t kCopyOrMask = 1 | 4;
