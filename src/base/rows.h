@@ -91,15 +91,17 @@ bool has_columns(const std::vector<std::string>& header,
 
 /// The rows of a file of text. Cells may be in quotes (RFC 4180), with blanks around them. Skips a
 /// byte order mark, empty lines, lines that begin with #, and Excel's line sep=; before the first
-/// row. That is the header if it is needed, or if it names a needed column; a needed header of
-/// numbers may also be the last comment before them, as numpy.savetxt writes it. A header names
-/// columns in any order and case, with or without a unit ("time", "Stamp [ms]", "time_ms",
-/// "milliseconds").
+/// row. That is the header if it is needed, or if it names a needed column; a needed header may
+/// also be the last comment before numbers, as numpy.savetxt writes it, or before any row if it
+/// names a column for each cell. A header names columns in any order and case, with or without a
+/// unit
+/// ("time", "Stamp [ms]", "time_ms", "milliseconds").
 class Rows {
  public:
   /// `name`: the file in errors. Throws Error(input) if the file cannot be read; Error(data) for
   /// zero bytes and damaged quotes, for a header that lacks a needed column or has another one or
-  /// two of one kind, and for a first row without a header that has too few or too many cells.
+  /// two of one kind, and for a first row without a header that has too few or too many cells, or
+  /// counts 0, 1, 2, ... before a row of real numbers.
   Rows(const std::filesystem::path& path, const std::string& name, const RowRules& rules);
   Rows(const Rows&) = delete;
   Rows& operator=(const Rows&) = delete;
