@@ -54,7 +54,7 @@ bool has_pages(std::string_view file) {
   const ByteReader reader{file, file.starts_with("II")};
   const uint64_t first = reader.number(4, 4);
   const uint64_t second = reader.number(first + 2 + 12 * reader.number(first, 2), 4);
-  if (second == 0) return false;
+  if (second == 0 || reader.number(second, 2) == 0) return false;
   const uint64_t entry = second + 2;
   const bool has_type = reader.number(entry, 2) == kSubfileType;  // the lowest tag
   return !has_type || (reader.number(entry + 8, 4) & kCopyOrMask) == 0;

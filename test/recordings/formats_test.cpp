@@ -215,6 +215,8 @@ TEST_CASE("images that would shift frame numbers, and formats that are not read,
   CHECK_FALSE(read_image_header(file).has_pages);
   file[44] = 0;
   CHECK(read_image_header(file).has_pages);
+  file.replace(22, 4, little(900, 4));  // beyond the end
+  CHECK_FALSE(read_image_header(file).has_pages);
   // Tiles of 32768 x 32768 pixels for an image of one pixel.
   for (const bool is_long8 : {false, true}) {
     write_text(folder / "t.tif", tiff({{322, 32768}, {322, 16}, {323, 32768}}, is_long8));
