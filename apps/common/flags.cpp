@@ -11,7 +11,7 @@
 #include "recordings/sequence.h"
 #include "recordings/sequence_source.h"
 #include "truth/formats.h"
-#include "truth/times.h"
+#include "truth/frame_times.h"
 
 namespace vpr {
 namespace {

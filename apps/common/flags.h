@@ -10,7 +10,7 @@
 #include "present/table.h"
 #include "query/train_sequences.h"
 #include "truth/dataset.h"
-#include "truth/times.h"
+#include "truth/frame_times.h"
 
 namespace vpr {
 

@@ -13,6 +13,7 @@
 #include "present/evaluation_charts.h"
 #include "present/evaluation_page.h"
 #include "present/report_tables.h"
+#include "truth/frame_times.h"
 #include "truth/positions.h"
 #include "truth/times.h"
 #include "truth/trajectory.h"
@@ -69,7 +70,8 @@ FrameTimes times_of(const Evaluation& evaluation, const GroundTruthOptions& opti
   std::vector<int64_t> times_ns;
   if (is_recorded && !options.query.times.empty()) {
     times_ns = read_frame_times(
-        options.query.times, names_or_none(evaluation.judgment.layout.scope.query_names), monitor);
+        options.query.times,
+        names_of_side(options.query, evaluation.judgment.layout.scope.query_names), monitor);
     if (times_ns.size() < query.recorded_frames())
       throw Error(ErrorKind::data, "{}: has {}, the query has {}", options.query.times.string(),
                   counted(times_ns.size(), "time"), counted(query.recorded_frames(), "frame"));

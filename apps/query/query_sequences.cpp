@@ -20,7 +20,7 @@
 #include "query/prepare.h"
 #include "recordings/live_source.h"
 #include "recordings/sequence_source.h"
-#include "truth/times.h"
+#include "truth/frame_times.h"
 
 namespace vpr {
 namespace {

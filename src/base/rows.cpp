@@ -285,8 +285,10 @@ class Splitter {
   size_t comment_ = 0;  // after the # of the last one; 0: none
 };
 
-// Whether a row is 0, 1, 2, ..., as pandas names columns without names.
+// Whether a row is 0, 1, 2, ..., as pandas names columns without names, after an empty cell above
+// its index.
 bool counts_columns(std::span<const std::string_view> cells) {
+  if (!cells.empty() && cells[0].empty()) cells = cells.subspan(1);
   for (size_t i = 0; i < cells.size(); ++i)
     if (cells[i] != std::to_string(i)) return false;
   return cells.size() > 2;
@@ -382,7 +384,9 @@ Rows::Rows(const std::filesystem::path& path, const std::string& name, const Row
   refuse_convertible(path, std::string_view(text_).substr(0, kStart), /*arrays_only=*/true);
   if (const size_t zero = text_.find('\0'); zero != std::string::npos) {
     location_.at("line", split_lines(std::string_view(text_).substr(0, zero + 1)).size());
-    fail("it is not text, because it has a zero byte. Save arrays as .npy");
+    fail("it is not text, because it has a zero byte{}",
+         text_.starts_with("\x93NUMPY") ? ". numpy.savetxt writes an array as text"
+                                        : ". Save arrays as .npy");
   }
   Splitter splitter(text_, rules.separators, rules.needs_header, location_);
   for (size_t begin = 0; splitter.next(cells_); begin = cells_.size())
@@ -400,10 +404,11 @@ Rows::Rows(const std::filesystem::path& path, const std::string& name, const Row
     if (splitter.separator() == ' ' && rows_.size() > 2) join_names(cells_of(1).size());
   } else {
     const auto has_point = [](std::string_view cell) { return cell.find('.') < cell.size(); };
-    if (counts_columns(first) && rows_.size() > 2 && std::ranges::any_of(cells_of(1), has_point))
+    if (counts_columns(first) && rows_.size() > 2 &&
+        (first[0].empty() || std::ranges::any_of(cells_of(1), has_point)))
       fail(
           "its first line, 0, 1, 2, ..., seems to be a header of pandas. Name the columns, or omit "
-          "it, as in to_csv(header=False)");
+          "it, as in to_csv(header=False, index=False)");
     header_.assign(rules.columns.begin(), rules.columns.end());
     if (!rules.is_ragged && !first.empty()) header_.resize(std::min(header_.size(), first.size()));
   }

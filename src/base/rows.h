@@ -101,7 +101,7 @@ class Rows {
   /// `name`: the file in errors. Throws Error(input) if the file cannot be read; Error(data) for
   /// zero bytes and damaged quotes, for a header that lacks a needed column or has another one or
   /// two of one kind, and for a first row without a header that has too few or too many cells, or
-  /// counts 0, 1, 2, ... before a row of real numbers.
+  /// counts 0, 1, 2, ... before a row of real numbers or after an empty cell.
   Rows(const std::filesystem::path& path, const std::string& name, const RowRules& rules);
   Rows(const Rows&) = delete;
   Rows& operator=(const Rows&) = delete;

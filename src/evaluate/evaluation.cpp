@@ -225,7 +225,7 @@ GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const
 // Adds readers of the names of frames, for sides that have none.
 void add_recorded_names(EvaluationSettings& by, const ResultContext& context, size_t sequences) {
   if (const std::string query = context.run.path("query"); !by.query_names && !query.empty())
-    by.query_names = [query] { return frame_names(parse_sequence_argument(query)); };
+    by.query_names = name_reader(parse_sequence_argument(query));
   const std::string database = context.run.path("database");
   if (!by.train_names.empty()) return;
   if (database.empty() && !context.train) {  // loops of the query

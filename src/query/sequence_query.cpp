@@ -8,6 +8,7 @@
 #include "query/open.h"
 #include "query/prepare.h"
 #include "query/thresholds.h"
+#include "truth/frame_times.h"
 #include "truth/times.h"
 
 namespace vpr {
@@ -78,7 +79,7 @@ QueryData describe_loop(const QueryInputs& inputs, const SequenceQuerySettings& 
   const SequenceSource source = open_sequence(inputs.query.sequence);
   if (needs_times)
     data.times_ns = times.empty() ? times_of_names(source, path, monitor)
-                                  : read_frame_times(times, file_names(source), monitor);
+                                  : read_frame_times(times, name_reader(source.argument), monitor);
   data.query = describe_own(source, settings, monitor);
   const size_t frames = data.query.rows().size();
   if (needs_times && data.times_ns.size() != frames)

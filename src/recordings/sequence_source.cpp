@@ -361,6 +361,20 @@ std::vector<std::string> frame_names(const SequenceArgument& argument) {
               argument.path.string());
 }
 
+NameReader name_reader(SequenceArgument argument) {
+  return [argument = std::move(argument)] { return frame_names(argument); };
+}
+
+std::optional<FrameNames> find_names(const NameReader& names) {
+  if (!names) return std::nullopt;
+  try {
+    return FrameNames(names());
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::usage) throw;
+    return std::nullopt;
+  }
+}
+
 std::string argument_text(const SequenceArgument& argument) {
   if (argument.array) return "";
   return argument.path.string() + range_text(argument.range);

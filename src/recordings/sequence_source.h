@@ -112,6 +112,7 @@ class FrameNames {
 
   /// The number of frames; 0 if their names are unknown.
   size_t count() const { return names_.size(); }
+  const std::string& name(size_t frame) const { return names_[frame]; }
   /// The frame with this name: an equal path, or the one with the most equal last components (file
   /// name, folder, ...); if no file name is equal, the only one with this name without its
   /// extension. Backslashes separate folders as slashes do, unless a frame has them in its name.
@@ -125,5 +126,15 @@ class FrameNames {
   std::map<std::string, std::vector<size_t>, std::less<>> by_file_name_;
   std::map<std::string, std::vector<size_t>, std::less<>> by_stem_;
 };
+
+/// Reads the names of the frames of a sequence; null: unknown.
+using NameReader = std::function<std::vector<std::string>()>;
+
+/// Reads the names of a sequence when they are needed, as frame_names does.
+NameReader name_reader(SequenceArgument argument);
+
+/// Nullopt if the frames have no names: `names` is null, or throws Error(usage). Throws what it
+/// else throws.
+std::optional<FrameNames> find_names(const NameReader& names);
 
 }  // namespace vpr

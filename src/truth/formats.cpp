@@ -185,6 +185,12 @@ const GroundTruthFormat& detect_format(const std::filesystem::path& path) {
         "(poses) or lat,lon (gps), between commas, semicolons or tabs, and its columns are not "
         "those of a trajectory, such as time,x,y,z. Rename them",
         path.string(), shortened(fmt::format("{}", fmt::join(start.header, ","))));
+  if (first_row(start.first_line + "\n", kListSeparators).size() > 1)
+    throw Error(ErrorKind::usage,
+                "{}: cannot detect the format of its first line, \"{}\". Put commas between its "
+                "columns, and their names into a first line: query,reference for pairs of frames "
+                "or images, frame,x,y for positions, lat,lon for GPS",
+                path.string(), shortened(start.first_line));
   throw Error(
       ErrorKind::usage,
       "{}: cannot detect the format of this ground truth. Pass --ground-truth-format, one of {}",

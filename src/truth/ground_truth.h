@@ -36,9 +36,6 @@ constexpr size_t most_frames_of(size_t lines) {
   return lines < kMaxGrownFrames / 1000 ? 1000 * (lines + 1) : kMaxGrownFrames;
 }
 
-/// Reads the names of the frames of a sequence; null: unknown.
-using NameReader = std::function<std::vector<std::string>()>;
-
 /// The meaning of indices: the training sequences of a result, in its order, and its query. Files
 /// refer to frames of recordings, labels to selected frames.
 struct GroundTruthScope {

@@ -16,6 +16,7 @@
 #include "base/rows.h"
 #include "base/text.h"
 #include "truth/formats.h"
+#include "truth/frame_times.h"
 #include "truth/layouts.h"
 #include "truth/positions.h"
 #include "truth/times.h"
@@ -136,40 +137,13 @@ void remove_unknown(Trajectory& trajectory) {
   trajectory.lines.clear();  // lines of removed poses are no longer valid
 }
 
-/// The names of the frames of one side.
-struct SideNames {
-  std::optional<FrameNames> names;  // unset: unknown
-  bool are_images = false;          // set by the user: every line must name one
-};
-
-SideNames names_of_side(const Trajectory& trajectory, const SideOptions& side,
-                        const NameReader& names) {
-  const std::filesystem::path& images = side.files.images;
-  if (!images.empty()) {
-    const SequenceSource sequence = open_sequence(parse_sequence_argument(images.string()));
-    if (sequence.kind != SequenceKind::images)
-      throw Error(ErrorKind::usage,
-                  "{}: is not a folder or list of images, to which a file of positions can refer "
-                  "by name",
-                  images.string());
-    return {FrameNames(file_names(sequence)), true};
-  }
-  if (!names) return {};
-  try {
-    return {FrameNames(names())};
-  } catch (const Error& error) {
-    if (trajectory.has_certain_names || error.kind() != ErrorKind::usage) throw;
-    return {};  // a video, next to a column that may be of any texts
-  }
-}
-
 // The poses of the frames that the lines name; nullopt if the names are other texts, so that pose i
 // belongs to frame i.
 std::optional<Poses> poses_by_name(const Trajectory& trajectory, const SideOptions& side,
                                    const NameReader& reader) {
-  const SideNames side_names = names_of_side(trajectory, side, reader);
-  if (!side_names.names && !trajectory.has_certain_names) return std::nullopt;
-  if (!side_names.names)
+  const std::optional<FrameNames> names = find_names(reader);
+  if (!names && !trajectory.has_certain_names) return std::nullopt;
+  if (!names)
     throw Error(ErrorKind::usage,
                 "{}: names its frames, such as {}. Pass their images with --{}-images FOLDER",
                 trajectory.name, trajectory.names.front(), side.name);
@@ -177,21 +151,21 @@ std::optional<Poses> poses_by_name(const Trajectory& trajectory, const SideOptio
     throw Error(ErrorKind::usage,
                 "{}: its lines are selected by names. Add the range to the images",
                 trajectory.name);
-  const FrameNames& names = *side_names.names;
+  const bool must_have_all = !side.files.images.empty();
   const auto count = static_cast<size_t>(std::ranges::count_if(
-      trajectory.names, [&](const std::string& name) { return names.find(name).has_value(); }));
+      trajectory.names, [&](const std::string& name) { return names->find(name).has_value(); }));
   if (!trajectory.has_certain_names && 2 * count <= trajectory.names.size()) return std::nullopt;
-  if (count == 0 && !side_names.are_images)
+  if (count == 0 && !must_have_all)
     throw Error(ErrorKind::data, "{}: no line names a frame of the sequence; the first names {}",
                 trajectory.name, trajectory.names.front());
-  Poses poses(names.count());
+  Poses poses(names->count());
   std::vector<bool> is_named(poses.size());
   FileLocation location{trajectory.name};
   for (size_t i = 0; i < trajectory.names.size(); ++i) {
     const std::string& name = trajectory.names[i];
     location.at("line", trajectory.lines[i]);
-    const auto frame = names.find(name);
-    if (!frame && side_names.are_images)
+    const auto frame = names->find(name);
+    if (!frame && must_have_all)
       location.fail("{} has no image {}, or several", side.files.images.string(), name);
     if (!frame) continue;  // of another sequence
     if (is_named[*frame]) location.fail("the image {} is listed twice", name);
@@ -393,20 +367,24 @@ std::string describe_times(const GroundTruthArgument& argument, bool are_fixes) 
   return words;
 }
 
-std::vector<std::string> names_or_none(const NameReader& names) {
-  try {
-    return names ? names() : std::vector<std::string>();
-  } catch (const Error&) {
-    return {};
-  }
+NameReader names_of_side(const TruthSide& files, const NameReader& names) {
+  if (files.images.empty()) return names;
+  const SequenceArgument argument = parse_sequence_argument(files.images.string());
+  if (open_sequence(argument).kind != SequenceKind::images)
+    throw Error(ErrorKind::usage,
+                "{}: is not a folder or list of images, to which a file of positions can refer "
+                "by name",
+                files.images.string());
+  return name_reader(argument);
 }
 
 Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Trajectory trajectory,
                     const NameReader& names, const Monitor& monitor) {
   const SideOptions side = side_options(argument, pose_side);
   const TruthSide& files = side.files;
+  const NameReader reader = names_of_side(files, names);
   if (files.times.empty() && !trajectory.names.empty())
-    if (auto poses = poses_by_name(trajectory, side, names)) return std::move(*poses);
+    if (auto poses = poses_by_name(trajectory, side, reader)) return std::move(*poses);
   if (files.times.empty()) {
     const GroundTruthOptions& options = argument.options;
     const bool has_times = !options.query.times.empty() || !options.train.times.empty();
@@ -425,7 +403,7 @@ Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Tra
                 trajectory.name, side.name);
   require_rising_times(trajectory);
   remove_unknown(trajectory);
-  return associate(trajectory, read_frame_times(files.times, names_or_none(names), monitor),
+  return associate(trajectory, read_frame_times(files.times, reader, monitor),
                    rules_of(argument, side, trajectory.is_on_earth), files.times.string(), monitor);
 }
 

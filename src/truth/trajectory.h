@@ -141,17 +141,17 @@ SideOptions side_options(const GroundTruthArgument& argument, PoseSide side);
 /// are GPS fixes, whose default of --max-difference is larger.
 std::string describe_times(const GroundTruthArgument& argument, bool are_fixes = false);
 
-/// The names of the frames for a list of times, which need not be known; empty if they are not.
-std::vector<std::string> names_or_none(const NameReader& names);
+/// The names of the frames of one side: of the images in the options or else `names`, which may be
+/// null. Throws Error(usage) if the images are another kind of sequence.
+NameReader names_of_side(const TruthSide& files, const NameReader& names);
 
 /// The poses of the frames of one side: by time if the options have the times of frames (as
 /// associate() does; poses without a position are removed first); by name if the file has names
-/// (without folders, with or without extension), of the images in the options or else of `names`,
-/// which may be null; otherwise pose i belongs to frame i. Every line must name one of the images
-/// in the options; with `names`, lines may name frames of other sequences. Throws as
-/// associate() and the readers of times do, Error(usage) for options that lack a required option or
-/// have invalid values, and Error(data), with the line, for two lines of one frame, and if no line
-/// names a frame.
+/// (without folders, with or without extension), of names_of_side(); otherwise pose i belongs to
+/// frame i. Every line must name one of the images in the options; with `names`, lines may name
+/// frames of other sequences. Throws as associate() and the readers of times do, Error(usage) for
+/// options that lack a required option or have invalid values, and Error(data), with the line, for
+/// two lines of one frame, and if no line names a frame.
 Poses poses_of_side(const GroundTruthArgument& argument, PoseSide side, Trajectory trajectory,
                     const NameReader& names, const Monitor& monitor);
 

@@ -15,7 +15,7 @@
 #include "present/summary.h"
 #include "query/prepare.h"
 #include "query/train_sequences.h"
-#include "truth/times.h"
+#include "truth/frame_times.h"
 
 namespace vpr::calls {
 namespace {

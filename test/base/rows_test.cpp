@@ -161,4 +161,5 @@ TEST_CASE("the numbers that pandas writes as names of columns are refused") {
   CHECK(test::has(refusal("0,1,2\n5,3,0.5\n", kList), "pandas"));
   CHECK(cells_of("0,1,2\n1,3,5\n", kList) == "1 0|1|2 / 2 1|3|5");
   CHECK(test::has(refusal("0 1 2\n1 3 0.5\n", kList), "pandas"));
+  CHECK(test::has(refusal(",0,1,2\n0,1,3,5\n", kList), "pandas"));
 }

@@ -1,6 +1,7 @@
 // A trajectory, its times and a list of loop closures, each any bytes; valid ones are evaluated.
 #include "fuzz.h"
 #include "loops/loops.h"
+#include "truth/frame_times.h"
 #include "truth/times.h"
 
 using namespace vpr;

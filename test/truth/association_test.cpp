@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "truth/frame_times.h"
 #include "truth/times.h"
 #include "truth/trajectory.h"
 #include "truth/truth_files.h"

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/error.h"
+#include "truth/frame_times.h"
 #include "truth/positions.h"
 #include "truth/times.h"
 #include "truth/truth_files.h"

@@ -278,6 +278,13 @@ TEST_CASE("files in the form of their programs are detected and read") {
   }
 }
 
+TEST_CASE("lines of words need commas and names of columns") {
+  for (const char* text : {"query/a b.jpg ref/a.jpg\n", "0 0\n1 1\n", "query reference\n0 0\n"}) {
+    write_text("p.txt", text);
+    CHECK(test::has(test::error_text([] { detect_format("p.txt"); }), "Put commas between"));
+  }
+}
+
 TEST_CASE("each layout has an example") {
   for (const Layout& layout : layouts())
     if (!layout.has("lat") && !layout.has("camera"))  // these have tests of their own

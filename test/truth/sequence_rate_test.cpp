@@ -7,7 +7,7 @@
 #include "recordings/sequence.h"
 #include "recordings/sequence_source.h"
 #include "support.h"
-#include "truth/times.h"
+#include "truth/frame_times.h"
 
 using namespace vpr;
 

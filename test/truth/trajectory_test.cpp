@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "loops/loops.h"
+#include "truth/frame_times.h"
 #include "truth/times.h"
 #include "truth/truth_files.h"
 
@@ -169,19 +170,48 @@ TEST_CASE("lists of times may have headers, file names and ranges") {
 
 TEST_CASE("frames have the times of the lines that name their images") {
   const TextFiles file;
-  const std::vector<std::string> names = {"9.png", "10.png"};
+  const auto names_are = [](std::vector<std::string> all) -> NameReader {
+    return [all = std::move(all)] { return all; };
+  };
+  const NameReader names = names_are({"9.png", "10.png"});
   const auto list = file("l.csv", "time,image\n1,rgb/8.png\n3,rgb/10.png\n2,rgb/9.png\n");
   CHECK(read_time_list(list, names) == std::vector<int64_t>{2 * kSecond, 3 * kSecond});
   CHECK(read_time_list(file("h.txt", "# times\n2 9.png\n3.5 10.png\n4 11.png\n"), names).back() ==
         3500000000);
+  std::string far_apart;
+  for (const int second : {30, 10, 40, 20})
+    far_apart += fmt::format("{0}.0 {0}.png\n{1}.0 {1}.png\n", second, 69 - second);
+  const NameReader early = names_are({"10.png", "20.png"});
+  CHECK(read_time_list(file("s.txt", far_apart), early).front() == 10 * kSecond);
   CHECK(read_time_list(file("o.txt", "2 a.png\n3 b.png\n"), names).size() == 2);  // by order
-  test::check_refused([&] { read_time_list(list, {"10.png", "11.png"}); }, "has no time of 11.png");
   test::check_refused(
       [&] {
-        read_time_list(list, {"10.png", "9.png"});
+        read_time_list(list, names_are({"10.png", "11.png"}));
+      },
+      "has no time of 11.png");
+  test::check_refused(
+      [&] {
+        read_time_list(list, names_are({"10.png", "9.png"}));
       },
       "l.csv, line 4: 9.png is not later than 10.png");
+  test::check_refused([&] { read_time_list(file("t.txt", "2 9.png\n3 10.png\n4 9.png\n"), names); },
+                      "t.txt, line 3: the image 9.png is listed twice");
   test::check_refused([&] { read_time_list(list); }, "l.csv, line 4: its time");
+
+  // Names are read only if needed. They may be those of a video, or of a folder that is gone.
+  const auto throws = [](ErrorKind kind) -> NameReader {
+    return [kind]() -> std::vector<std::string> { throw Error(kind, "gone"); };
+  };
+  const auto named = file("n.txt", "2 b.png\n3 a.png\n");
+  const std::vector<int64_t> in_order = {2 * kSecond, 3 * kSecond};
+  CHECK(read_time_list(file("u.txt", "2\n3\n"), throws(ErrorKind::data)) == in_order);
+  CHECK(read_time_list(named, throws(ErrorKind::usage)) == in_order);
+  test::check_refused([&] { read_time_list(named, throws(ErrorKind::data)); }, "gone");
+  std::string warning;
+  Monitor monitor;
+  monitor.warn = [&](const std::string& text) { warning = text; };
+  CHECK(read_time_list(named, throws(ErrorKind::input), monitor) == in_order);
+  CHECK(test::has(warning, "n.txt: names images, but those of its frames are unknown"));
 }
 
 TEST_CASE("loops have the unit of their trajectory, and gaps without effect are named") {
