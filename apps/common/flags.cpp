@@ -149,7 +149,8 @@ void add_ground_truth_flags(const Command& command, GroundTruthFlags& flags,
              "largest distance of the same place in meters, for poses, trajectories, gps, utm and "
              "anchors (default for utm: 25)");
   add_number(command, "--ignore-radius", options.ignore_radius_m,
-             "pairs farther apart than --radius, up to this distance in meters, are ignored");
+             "pairs farther apart than --radius, up to this distance in meters and within --angle, "
+             "are ignored");
   add_number(command, "--angle", options.angle_deg,
              "largest difference of headings of the same place in degrees, with --radius "
              "(default: any)");

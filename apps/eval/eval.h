@@ -121,6 +121,8 @@ OpenedScores open_inputs(const Session& session, const EvalFlags& flags, const E
 /// data set; empty without them.
 std::vector<std::string> query_names(const EvalFlags& flags);
 std::vector<std::vector<std::string>> train_names(const EvalFlags& flags);
+/// The names of all training sequences in one list, as the columns of scores are one sequence.
+std::vector<std::string> joined(const std::vector<std::vector<std::string>>& names);
 
 struct Evaluated {
   Evaluation evaluation;

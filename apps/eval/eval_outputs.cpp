@@ -184,13 +184,16 @@ RouteMap read_map(const Dataset& dataset, const std::string& where, const Evalua
 }
 
 std::string name_of(const std::vector<std::string>& names, size_t frame) {
-  if (names.empty()) return std::to_string(frame);
-  if (frame >= names.size())
-    throw Error(
-        ErrorKind::usage,
-        "there is no name for frame {}, only for {}. Pass the sequences that were evaluated", frame,
-        counted(names.size(), "frame"));
-  return names[frame];
+  return names.empty() ? std::to_string(frame) : names.at(frame);
+}
+
+void require_names(const std::vector<std::string>& names, const Sequence& sequence,
+                   std::string_view what) {
+  if (names.empty() || names.size() == sequence.recorded_frames()) return;
+  throw Error(
+      ErrorKind::usage,
+      "--pairs: there are names of {}, but {} has {}. Pass the sequences that were evaluated",
+      counted(names.size(), "frame"), what, sequence.recorded_frames());
 }
 
 constexpr std::string_view kChanged =
@@ -419,6 +422,7 @@ PairList pair_list(const Session& session, const EvalFlags& flags, const ScoreMa
   const size_t sequences = layout.scope.sequences.size();
   const std::vector<std::string> query = query_names(flags);
   std::vector<std::vector<std::string>> train = train_names(flags);
+  if (sequences == 1 && train.size() > 1) train = {joined(train)};  // the columns of scores
   if (sequences > 1 && train.size() < sequences)
     throw Error(ErrorKind::usage,
                 "--pairs: name the frames of all {} training sequences, in the order of the "
@@ -431,10 +435,16 @@ PairList pair_list(const Session& session, const EvalFlags& flags, const ScoreMa
     });
   };
   const bool has_blanks = has_blank(query) || std::ranges::any_of(train, has_blank);
+  const GroundTruthScope& scope = layout.scope;
+  require_names(query, scope.query, "the query");
+  for (size_t s = 0; s < sequences; ++s)
+    require_names(train[s], scope.sequences[s].sequence, scope.sequences[s].sequence.name);
   std::string text;
-  for (const MatchedFrame& pair : pairs) {
-    const std::string left = name_of(query, pair.query);
-    const std::string right = name_of(train[pair.match.sequence], pair.match.reference);
+  for (const MatchedFrame& pair : pairs) {  // of selected frames; files count recorded ones
+    const Selection& of_train = scope.sequences[pair.match.sequence].sequence.selection;
+    const std::string left = name_of(query, scope.query.selection.source_of(pair.query));
+    const std::string right =
+        name_of(train[pair.match.sequence], of_train.source_of(pair.match.reference));
     text += has_blanks ? fmt::format("{},{}\n", csv_field(left), csv_field(right))
                        : fmt::format("{} {}\n", left, right);
   }

@@ -198,14 +198,27 @@ std::string check_text(const std::string& title, const std::vector<CheckRow>& ro
   return render_table(table, format) + (format == TableFormat::text ? examples : "");
 }
 
-InspectedGroundTruth inspect(const Session& session, const TruthInputs& inputs) {
-  return inspect_ground_truth(ground_truth_argument(inputs.ground_truth, inputs.flags),
-                              find_scope(inputs.scope, session.monitor), session.monitor);
+InspectedGroundTruth inspect(const Session& session, const TruthInputs& inputs,
+                             const GroundTruthScope& scope) {
+  return inspect_ground_truth(ground_truth_argument(inputs.ground_truth, inputs.flags), scope,
+                              session.monitor);
+}
+
+// The same with all frames of the recordings, as files of ground truth count them.
+GroundTruthScope recorded(GroundTruthScope scope) {
+  const auto use_all = [](Sequence& sequence) {
+    sequence.frames = sequence.recorded_frames();
+    sequence.selection = {};
+  };
+  use_all(scope.query);
+  for (auto& one : scope.sequences) use_all(one.sequence);
+  return scope;
 }
 
 void run_check(Session& session, const TruthInputs& inputs) {
   session.claim_output();
-  const InspectedGroundTruth found = inspect(session, inputs);
+  const InspectedGroundTruth found =
+      inspect(session, inputs, find_scope(inputs.scope, session.monitor));
   const GroundTruthSummary summary = summarize(found, session.monitor);
   const std::vector<CheckRow> rows = rows_of(found, summary);
   const Json json = check_json(found, rows, session.run);
@@ -225,7 +238,8 @@ void run_convert(Session& session, const TruthInputs& inputs) {
     throw Error(ErrorKind::usage, "{} cannot be written. Use --to with {}", target.name,
                 format_names(is_written));
   session.claim_output();
-  const InspectedGroundTruth found = inspect(session, inputs);
+  const InspectedGroundTruth found =
+      inspect(session, inputs, recorded(find_scope(inputs.scope, session.monitor)));
   require_undamaged(found, inputs.ground_truth);
   if (!found.truth.asked.empty())
     throw Error(ErrorKind::usage, "{}: most pairs are unknown, and no other format has such pairs",

@@ -44,9 +44,16 @@ std::optional<size_t> query_frames(const EvalFlags& flags) {
 // The number of columns of a matrix; 0 if it is unknown.
 size_t train_columns(const EvalFlags& flags) {
   const size_t length = flags.scores.window_length;
+  const std::vector<SequenceArgument> train = train_arguments(flags);
+  if (length > 1 && train.size() > 1)
+    throw Error(ErrorKind::usage,
+                "--rows-are-windows-of: the columns of the scores are windows of one sequence, but "
+                "there are {}. Evaluate a matrix of vpr-query with its result: vpr-eval RESULT "
+                "--matrix SCORES",
+                train.size());
   const size_t stated = window_count(flags.scores.train_frames.value_or(0), length);
   size_t columns = 0;
-  for (const SequenceArgument& argument : train_arguments(flags)) {
+  for (const SequenceArgument& argument : train) {
     const auto frames = known_frames(argument);
     if (!frames) return stated;
     columns += window_count(*frames, length);
@@ -61,8 +68,11 @@ void add_names(EvaluationSettings& by, const EvalFlags& flags,
   const auto& query = dataset.empty() ? flags.query : query_name;
   if (!dataset.empty() || query)
     by.query_names = [dataset, query] { return frame_names(*query_argument(dataset, query)); };
-  for (const SequenceArgument& argument : train_arguments(flags))
-    by.train_names.emplace_back([argument] { return frame_names(argument); });
+  const std::vector<SequenceArgument> train = train_arguments(flags);
+  if (!flags.scores.source().empty() && train.size() > 1)
+    by.train_names.emplace_back([flags] { return joined(train_names(flags)); });
+  else
+    for (const SequenceArgument& argument : train) by.train_names.push_back(name_reader(argument));
 }
 
 EvaluationSettings evaluation_settings(const EvalFlags& flags, const EvalRow& row,
@@ -162,13 +172,11 @@ ScoreMatrix open_scores(const EvalFlags& flags, const Monitor& monitor) {
                   scores.path, matrix.references, columns);
     return matrix;
   }
-  std::vector<std::string> references;
-  for (const auto& names : train_names(flags))
-    references.insert(references.end(), names.begin(), names.end());
   std::optional<ScoreOrder> kind;
   if (scores.matrix.has_order()) kind = scores.matrix.order();
-  return prediction_scores(scores.path, FrameNames(query_names(flags)), FrameNames(references),
-                           kind, {scores.query_frames, scores.train_frames}, monitor);
+  return prediction_scores(scores.path, FrameNames(query_names(flags)),
+                           FrameNames(joined(train_names(flags))), kind,
+                           {scores.query_frames, scores.train_frames}, monitor);
 }
 
 std::optional<ScoreMatrix> open_saved_matrix(const Session& session, const StoredResult& stored,
@@ -246,6 +254,12 @@ std::vector<std::vector<std::string>> train_names(const EvalFlags& flags) {
   for (const SequenceArgument& argument : train_arguments(flags))
     names.push_back(frame_names(argument));
   return names;
+}
+
+std::vector<std::string> joined(const std::vector<std::vector<std::string>>& names) {
+  std::vector<std::string> all;
+  for (const auto& one : names) all.insert(all.end(), one.begin(), one.end());
+  return all;
 }
 
 OpenedScores open_inputs(const Session& session, const EvalFlags& flags, const EvalRow& row) {

@@ -222,6 +222,44 @@ GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const
   return read_ground_truth(*by.ground_truth, scope, monitor);
 }
 
+// The least distance between a frame and its match in a loop query, in frames; 1 for a gap in
+// seconds. Nullopt for other queries.
+std::optional<int64_t> loop_gap(const Result& result) {
+  constexpr uint64_t kMostGap = uint64_t{1} << 32;
+  if (const auto* fabmap = std::get_if<FabmapQuerySettings>(&result.settings))
+    return fabmap->loop ? std::optional<int64_t>(std::min(fabmap->loop_gap, kMostGap) + 1)
+                        : std::nullopt;
+  const auto& past = std::get<SequenceQuerySettings>(result.settings).past;
+  if (!past) return std::nullopt;
+  const auto* frames = std::get_if<uint64_t>(&past->gap);
+  return frames == nullptr ? 1 : std::min(*frames, kMostGap);
+}
+
+// In a loop query, frames within the gap and later ones are not searched: their pairs with the
+// query, which is the last training sequence, are ignored.
+void ignore_unsearched(GroundTruth& truth, const Result& result) {
+  const std::optional<int64_t> gap = loop_gap(result);
+  if (!gap || !truth.is_known) return;
+  for (size_t query = 0; query < truth.pairs.size(); ++query) {
+    // A searched frame may be the same place by a pair that is the tolerance farther.
+    const int64_t last = static_cast<int64_t>(query) - *gap + truth.tolerance_frames;
+    std::vector<GroundTruth::Pair> kept;
+    for (GroundTruth::Pair pair : truth.pairs[query]) {
+      const bool is_own = pair.sequence + 1 == result.sequences.size();
+      if (is_own && pair.label == PlaceLabel::same && pair.last() > last) {
+        if (pair.first <= last) {
+          const auto further = static_cast<uint32_t>(last - pair.first);
+          kept.push_back({pair.sequence, pair.first, pair.label, further});
+          pair = {pair.sequence, pair.first + further + 1, pair.label, pair.further - further - 1};
+        }
+        pair.label = PlaceLabel::ignore;
+      }
+      kept.push_back(pair);
+    }
+    truth.pairs[query] = std::move(kept);
+  }
+}
+
 // Adds readers of the names of frames, for sides that have none.
 void add_recorded_names(EvaluationSettings& by, const ResultContext& context, size_t sequences) {
   if (const std::string query = context.run.path("query"); !by.query_names && !query.empty())
@@ -273,6 +311,7 @@ Evaluation evaluate_result(std::shared_ptr<const Result> result, std::optional<S
   Evaluation evaluation;
   const GroundTruthScope scope = scope_of(*result);
   evaluation.truth = truth_of(by, scope, monitor);
+  ignore_unsearched(evaluation.truth, *result);
   const GroundTruth& truth = evaluation.truth;
   const std::vector<double> traveled_m = traveled_by(by, scope);
   evaluation.judgment = matrix ? judge(*result, *matrix, truth, traveled_m, monitor)
@@ -385,10 +424,8 @@ void warn_of_scores(const Judgment& judgment, const ScoreInput& scores, const st
   }
   const auto& queries = judgment.outcomes.queries;
   const size_t rows = window_count(queries.size(), judgment.layout.window_length);
-  const auto scored = static_cast<size_t>(std::ranges::count_if(
-      queries, [](const QueryOutcome& query) { return query.best.has_value(); }));
-  if (scored < rows)
-    warn(monitor, "{}: {} of {} have no score, so they are not recognized", source, rows - scored,
+  if (const size_t unscored = judgment.outcomes.unscored; unscored > 0)
+    warn(monitor, "{}: {} of {} have no score, so they are not recognized", source, unscored,
          counted(rows, "query", "queries"));
   const auto& points = judgment.single_best.points;
   if (scores.is_similarity || scores.missing || points.empty()) return;

@@ -21,6 +21,7 @@ struct ScanPart {
   std::vector<ScoredColumn> ranked;
   PairJudgment pairs;  ///< without the curve
   size_t known_ranks = std::numeric_limits<size_t>::max();
+  size_t unscored = 0;
   std::vector<uint64_t> same_keys;  ///< scores of pairs of the same place
 
   bool skips(size_t column) const { return skips_ignored && labels[column] == PlaceLabel::ignore; }
@@ -72,7 +73,11 @@ void judge_row(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> ke
   }
   query.key = best.key;
   rank_correct_ones(query, part, keys);
-  if (best.key == kNoScore) return;
+  if (best.key == kNoScore) {
+    const auto is_missing = [](uint64_t key) { return key == kNoScore; };
+    part.unscored += std::ranges::all_of(keys, is_missing) ? 1 : 0;  // not only ignored ones
+    return;
+  }
   if (std::ranges::find(keys, kNoScore) != keys.end())
     part.known_ranks = std::min(part.known_ranks, ranked);
   part.pairs.worst_correct += labels[*worst] == PlaceLabel::same ? 1 : 0;
@@ -238,6 +243,7 @@ MatrixScan scan_matrix(const ScoreMatrix& matrix, const GroundTruth& truth,
     pairs.ignored += part.pairs.ignored;
     pairs.worst_correct += part.pairs.worst_correct;
     outcomes.known_ranks = std::min(outcomes.known_ranks, part.known_ranks);
+    outcomes.unscored += part.unscored;
     same_keys.insert(same_keys.end(), part.same_keys.begin(), part.same_keys.end());
     part.same_keys = {};
   }

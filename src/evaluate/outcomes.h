@@ -61,6 +61,7 @@ struct Outcomes {
   bool has_ranks = false;             ///< from a matrix
   /// The largest K for which the K best references of every frame with a best match are known.
   size_t known_ranks = std::numeric_limits<size_t>::max();
+  size_t unscored = 0;       ///< queries without any score; from a matrix only
   bool has_margins = false;  ///< from a result with margins
   /// Initially the value by which the recognitions of the result were decided.
   Confidence confidence = Confidence::score;

@@ -221,7 +221,7 @@ ScoreLayout layout_of(const ScoreMatrix& matrix, size_t window_length) {
   ScoreLayout layout;
   layout.window_length = window_length;
   layout.scope.query.frames = matrix.queries + window_length - 1;
-  layout.scope.sequences = {{{"references", matrix.references + window_length - 1}}};
+  layout.scope.sequences = {{{std::string(kScoreColumns), matrix.references + window_length - 1}}};
   layout.columns = {{0, 0, matrix.references}};
   return layout;
 }

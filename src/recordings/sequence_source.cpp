@@ -304,7 +304,8 @@ SequenceSource open_sequence(const SequenceArgument& argument) {
                   "(the first is {})",
                   path.string(), files.front().string());
   } else if (has_extension(path, kImageExtensions)) {
-    throw Error(ErrorKind::input, "{}: is a single image. Pass its folder, a list or a video",
+    throw Error(ErrorKind::input,
+                "{}: is a single image. Pass its folder, a file that lists images, or a video",
                 path.string());
   } else if (is_array(path)) {
     sequence.kind = SequenceKind::descriptors;

@@ -65,7 +65,7 @@ size_t GroundTruthBuilder::find_sequence(std::string_view name) {
     }
     return scope_.sequences.size() - 1;
   }
-  if (scope_.sequences.size() == 1 && scope_.sequences.front().sequence.name.empty())
+  if (scope_.sequences.size() == 1 && scope_.sequences.front().sequence.name == kScoreColumns)
     fail(
         "the columns of the scores are one sequence, so \"{}\" is unknown. Omit the column "
         "sequence, and count references through all training sequences",

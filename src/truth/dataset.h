@@ -75,7 +75,8 @@ void visit_fields(GroundTruthOptions& options, Visitor&& visit) {
   visit("angle_deg", options.angle_deg,
         "Largest difference of headings of the same place, in degrees, inclusive.", at_least(0));
   visit("ignore_radius_m", options.ignore_radius_m,
-        "Frames beyond radius_m and within this distance are ignored, in m.", at_least(0));
+        "Frames beyond radius_m and within this distance, in m, and angle_deg are ignored.",
+        at_least(0));
   visit("train_step", options.train_step,
         "Aligned: query frame i is training frame train_step * i, rounded; auto: 1.", above(0));
   visit("matrix_rows", options.matrix_rows, "Rows of the matrix.");

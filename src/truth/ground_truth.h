@@ -36,6 +36,9 @@ constexpr size_t most_frames_of(size_t lines) {
   return lines < kMaxGrownFrames / 1000 ? 1000 * (lines + 1) : kMaxGrownFrames;
 }
 
+/// The name of the only training sequence of scores: their columns.
+inline constexpr std::string_view kScoreColumns = "references";
+
 /// The meaning of indices: the training sequences of a result, in its order, and its query. Files
 /// refer to frames of recordings, labels to selected frames.
 struct GroundTruthScope {

@@ -138,6 +138,13 @@ def recordings():
     by_both = [printed_json("vpr-eval", "own.json", "--ground-truth", name)["provenance"]["ground_truth"]
                for name in ("names.csv", "numbers.csv")]
     assert by_both[0] == by_both[1]
+    # Only frames at least the gap earlier can be found.
+    laps = np.arange(40)[:, None] % 20 == np.arange(40) % 20
+    np.save(folder / "laps.npy", laps)
+    np.save(folder / "past.npy", np.tril(laps, -9))
+    both, past = (printed_json("vpr-eval", "own.json", "--ground-truth", name) for name in ("laps.npy", "past.npy"))
+    assert both["metrics"] == past["metrics"] and both["counts"] == past["counts"]
+    assert both["metrics"]["single_best"]["positives"] == 20
     # Lists with blanks at the ends of lines, and a frame that is listed twice.
     run(*query, write("blanks.txt", "".join(f"walk/{i:06d}.png \n" for i in range(1, 41))))
     write("twice.txt", "walk/000001.png\n" * 2)
@@ -246,6 +253,45 @@ def lists():
     assert " of 40 frames" in run("vpr-eval", "matrix", "named.txt", *names, "--ground-truth", "numbers.csv")
 
 
+def selected_frames():
+    """Files of pairs count the frames of recordings, whatever a query selects of them."""
+    run("vpr-query", "w.vprdb", "--query", "again", "--c-l", 1, "--t-r", 0.5, "--recorded-fps", 10, "--fps", 5, "-o", "half.json")
+    names = ("--query", "again", "--train", "walk")
+    truth = ("--ground-truth", "aligned", "--tolerance", 1)
+
+    def correct(*words):
+        metrics = printed_json("vpr-eval", *words, *truth)["metrics"]
+        return round(metrics["recall_at"]["1"] * metrics["single_best"]["positives"])
+    assert correct("half.json") > 10
+    for name, more in (("half.txt", names), ("half-numbers.txt", ())):
+        run("vpr-eval", "half.json", *more, "--pairs", name, "--quiet")
+        assert correct("matrix", name, *names) == correct("half.json"), name
+    assert (folder / "half.txt").read_text().splitlines()[-1].startswith("again/000039.png ")
+    refused(2, "there are names of 10 frames, but the query has 40", "vpr-eval", "half.json", "--query", "again@0:10", "--pairs",
+            "short.txt")
+    direct = printed_json("vpr-eval", "half.json", *truth)
+    for name, form in (("half.csv", "pairs"), ("half.npy", "matrix")):
+        run("vpr-eval", "convert", "aligned", "--tolerance", 1, "--result", "half.json", "--to", form, "-o", name)
+        converted = printed_json("vpr-eval", "half.json", "--ground-truth", name)
+        assert converted["metrics"] == direct["metrics"] and converted["counts"] == direct["counts"], name
+
+
+def columns_of_scores():
+    """The columns of scores are one sequence, however many sequences have their frames."""
+    np.save(folder / "scores.npy", np.eye(40) + 0.1)
+    parts = ("--query", "walk", "--train", "walk@0:10", "--train", "walk@10:40", "--ground-truth")
+    judge = ("vpr-eval", "matrix", "scores.npy", "--similarity", *parts)
+    assert printed_json(*judge, "names.csv", "--pairs", "columns.txt")["metrics"]["recall_at"]["1"] == 1
+    assert (folder / "columns.txt").read_text().splitlines()[390].split()[1].endswith("000040.png")
+    refused(2, "windows of one sequence, but there are 2", *judge, "aligned", "--rows-are-windows-of", 3)
+    refused(4, "the columns of the scores are one sequence", *judge, write("sides.csv", "query,sequence,reference\n0,walk@0:10,0\n"))
+    # Frames without a pose have scores.
+    poses = write("three.csv", "frame,x,y\n" + "".join(f"{i},{i},0\n" for i in range(40) if i != 7))
+    warned = said("vpr-eval", "matrix", "scores.npy", "--similarity", "--ground-truth", poses, "--ground-truth-train", poses,
+                  "--radius", 1)
+    assert "no score" not in warned, warned
+
+
 def arrays():
     numbers = np.random.default_rng(1).random((40, 16))
     for name, array in {"big": numbers.astype(">f4"), "bytes": (255 * numbers).astype(np.uint8), "one": np.zeros(5),
@@ -304,6 +350,8 @@ headers()
 recordings()
 utm_names()
 lists()
+selected_frames()
+columns_of_scores()
 arrays()
 flags_without_effect()
 loops_of_arrays()
