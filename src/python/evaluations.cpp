@@ -124,20 +124,39 @@ void save_text(const std::string& text, const std::filesystem::path& path, bool 
   save([&] { calls::save(force, {}, [&](Outputs& outputs) { outputs.file(path).write(text); }); });
 }
 
-// Judges a result or, if it is null, scores. `truth`: nullopt for none.
-std::shared_ptr<Judged> evaluate(Call& call, const std::shared_ptr<const StoredResult>& result,
-                                 const Source& scores,
-                                 const std::optional<std::filesystem::path>& truth) {
+using Rows = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;
+
+// The pairs of an array n x 2: query and training frame.
+std::shared_ptr<const std::vector<PlacePair>> pairs_of(const Rows& rows) {
+  std::vector<PlacePair> pairs;
+  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
+    if (rows.at(i, 0) < 0 || rows.at(i, 1) < 0)
+      throw Error(ErrorKind::data,
+                  "ground_truth, pair {}: a frame is negative. Omit frames without a match", i);
+    pairs.push_back({static_cast<size_t>(rows.at(i, 0)), static_cast<size_t>(rows.at(i, 1))});
+  }
+  return std::make_shared<const std::vector<PlacePair>>(std::move(pairs));
+}
+
+// Judges a result or, if it is null, scores. `truth`: pairs, a file, or nullopt for none.
+std::shared_ptr<Judged> evaluate(
+    Call& call, const std::shared_ptr<const StoredResult>& result, const Source& scores,
+    const std::optional<std::variant<Rows, std::filesystem::path>>& truth) {
   ScoreInput input;
   if (!result) set_source(input, scores);
   if (!result && !call.keywords.values.contains("order"))
     call.keywords.process.order = FrameOrder::rows;
   std::shared_ptr<Judged> made;
+  std::string path;
+  std::optional<GroundTruthArgument> argument;
+  if (truth && std::holds_alternative<Rows>(*truth))
+    argument = {
+        .format = "pairs", .path = "ground_truth", .pairs = pairs_of(std::get<Rows>(*truth))};
+  else if (truth)
+    path = std::get<std::filesystem::path>(*truth).string();
   call.run([&](const Monitor& monitor) {
-    std::optional<GroundTruthArgument> argument;
-    if (truth) argument = parse_ground_truth_argument(truth->string(), 0);
-    made = calls::evaluate(call.keywords, result, input, argument,
-                           truth ? call.shown(truth->string()) : "", monitor);
+    if (!path.empty()) argument = parse_ground_truth_argument(path, 0);
+    made = calls::evaluate(call.keywords, result, input, argument, call.shown(path), monitor);
   });
   return made;
 }

@@ -90,7 +90,7 @@ std::shared_ptr<const cv::Mat> picture_of(const py::object& frame) {
   const auto pixels = py::array_t<uint8_t, py::array::c_style>::ensure(values);
   const bool is_color = pixels && pixels.ndim() == 3 && pixels.shape(2) == 3;
   const bool is_image = pixels && pixels.size() > 0 && (is_color || pixels.ndim() == 2);
-  if (!is_image || !values.dtype().is(py::dtype::of<uint8_t>()))
+  if (!is_image || values.dtype().kind() != 'u' || values.itemsize() != 1)
     throw Error(ErrorKind::data,
                 "an image has height x width gray levels, or height x width x 3 values (blue, "
                 "green, red), of type uint8");

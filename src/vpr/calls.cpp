@@ -100,7 +100,8 @@ ScoreMatrix open_scores(ScoreInput& input, size_t train_frames, const Monitor& m
   const auto array = input.array ? input.array : std::make_shared<const NpyArray>(input.path);
   if (!is_index_array(*array, train_frames))
     throw Error(ErrorKind::usage,
-                "train_frames is for integers, the indices of the best references of each query");
+                "train_frames is for integers, the indices of the best references of each query: a "
+                "row per query, with fewer columns than training frames, as in indices[:, :100]");
   input.is_similarity = false;
   return index_scores(input.open(), train_frames);
 }

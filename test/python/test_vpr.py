@@ -84,6 +84,20 @@ def test_arrays_are_matched_as_by_the_program(run, walks, tmp_path, settings, ki
         assert_same_results(tmp_path / "p.json", tmp_path / "c.json")
 
 
+def test_arrays_of_pairs_are_numbers_of_frames(walks, tmp_path):
+    for side in ("monday", "tuesday"):  # images 1.png, 2.png, ... are frames 0, 1, ...
+        (tmp_path / side).mkdir()
+        for i, path in enumerate(sorted((walks / side).iterdir())):
+            os.symlink(path, tmp_path / side / f"{i + 1}{path.suffix}")
+    result = vpr.query(vpr.train(tmp_path / "monday"), tmp_path / "tuesday", c_l=5, t_r=0.5)
+    some = np.arange(10, 20)
+    labels = np.zeros((result.json.query.frames, result.json.sequences[0].frames), bool)
+    labels[some, some] = True
+    by_pairs, by_labels = (vpr.evaluate(result, truth) for truth in (np.c_[some, some], labels))
+    assert np.array_equal(by_pairs.frames()["has_match"], by_labels.frames()["has_match"])
+    assert by_pairs.json.metrics == by_labels.json.metrics
+
+
 @pytest.mark.parametrize("settings", QUERIES[:3])
 def test_images_are_matched_as_by_the_program(run, walks, tmp_path, settings):
     db = vpr.train(walks / "monday", c_l=5)
@@ -219,7 +233,22 @@ def test_ground_truths_may_be_arrays(walks):
         vpr.evaluate(result, np.c_[positions, frames], reference=positions, radius_m=1)
     with pytest.raises(vpr.UsageError, match="recall_at must be from 1"):
         vpr.evaluate(result, "aligned", recall_at=[0])
+    for lists in ([np.array([i // 2, i]) for i in frames], [[i // 2, i] for i in range(200)], {0: [1], 1: [2, 3]},
+                  [[i] * (1 + i % 2) for i in range(200)], np.array([[0], [1, 2]], object)):
+        with pytest.raises(vpr.UsageError, match="^ground_truth: lists of the matches of each query frame"):
+            vpr.evaluate(result, lists)
+    with pytest.raises(vpr.UsageError, match="^ground_truth: positions are n x 2 .* found 200 x 4"):
+        vpr.evaluate(result, np.c_[positions, positions], reference=positions, radius_m=1)
+    with pytest.raises(vpr.DataError, match="^ground_truth, pair 1: a frame is negative"):
+        vpr.evaluate(result, np.c_[frames, -frames])
     pandas = pytest.importorskip("pandas")
+    mixed = pandas.DataFrame({"frame": frames, "x": 1.5 * frames, "y": 0}).sample(frac=1, random_state=1)
+    for table in (mixed, mixed.set_index("frame"), mixed.rename(columns={"frame": "Frame "}).assign(**{"Unnamed: 0": 0})):
+        assert vpr.evaluate(result, table, reference=positions, radius_m=1).counts == aligned
+    with pytest.raises(vpr.UsageError, match="not in the order of their index"):
+        vpr.evaluate(result, mixed.drop(columns="frame"), reference=positions, radius_m=1)
+    with pytest.raises(vpr.UsageError, match="no query or no reference"):
+        vpr.evaluate(result, pandas.DataFrame({"query": [0, 1], "reference": [0, None]}))
     named = pandas.DataFrame({"Reference ": frames[:150], "QUERY": frames[:150] + 50})
     swapped = vpr.evaluate(result, named).counts
     assert swapped == vpr.evaluate(result, np.column_stack([frames[50:], frames[:150]])).counts
@@ -232,7 +261,7 @@ def test_ground_truths_may_be_arrays(walks):
         assert vpr.evaluate(result, empty).counts.pairs.correct == 0
     unjudged = vpr.evaluate(result)
     assert unjudged.judged == "nothing"
-    with pytest.raises(vpr.DataError, match="^ground_truth.csv, line 2: query 200 is out of range"):
+    with pytest.raises(vpr.DataError, match="^ground_truth, pair 0: query 200 is out of range"):
         vpr.evaluate(result, [(200, 0)])
     with pytest.raises(vpr.DataError, match="^ground_truth.npy"):
         vpr.evaluate(result, np.eye(200) * 2)
@@ -275,7 +304,8 @@ def test_live_frames_are_matched_as_by_the_program(run, walks, tmp_path):
     live = vpr.Live(db, c_l=5, score="zscore", decide="margin")
     for path, line in zip(images, lines):
         pixels = np.frombuffer(path.read_bytes()[-64 * 96:], np.uint8).reshape(64, 96)
-        assert live.add(pixels, name=path.name) == line
+        sent = pickle.loads(pickle.dumps(pixels)) if path == images[0] else pixels  # its type is another object
+        assert live.add(sent, name=path.name) == line
     assert live.add(None)["readable"] is False
     for other in (np.zeros((4, 4, 2), np.uint8), np.zeros((0, 4), np.uint8), np.zeros((4, 4), bool)):
         with pytest.raises(vpr.DataError, match="an image has"):

@@ -3,7 +3,7 @@
 Each function has the defaults of a program and gives the bytes of its files: train those of
 vpr-train, query those of vpr-query, evaluate those of vpr-eval. Settings are keyword arguments with
 the names of JSON keys (--c-l 20 is c_l=20); None is the default. All functions also take threads
-(0: all cores), seed, order and max_megapixels.
+(0: all cores), seed, order and max_megapixels, except load.
 
 Work releases the interpreter's lock, stops on KeyboardInterrupt, and calls progress(step, done,
 total) up to 20 times per second. Warnings are UserWarning. Errors have the sentences of the
@@ -20,7 +20,7 @@ import json as _json
 import os
 import re
 import tempfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, Optional, Union
 
 for _name in ("_interpreters", "_xxsubinterpreters"):  # of Python 3.13, and before
@@ -95,7 +95,11 @@ def _call(function: str, settings: Mapping[str, object], progress: Progress = No
     def plain(value: Any) -> object:
         if isinstance(value, (np.generic, np.ndarray)):
             return value.tolist()
-        return list(value) if isinstance(value, Iterable) else os.fspath(value)
+        if isinstance(value, Iterable):
+            return list(value)
+        if isinstance(value, os.PathLike):
+            return os.fspath(value)
+        raise UsageError(f"vpr.{function}: a setting has the type {type(value).__name__}")
     given = {key: value for key, value in settings.items() if value is not None}
     for key in given:
         if isinstance(given[key], str) and not given[key]:
@@ -129,12 +133,17 @@ def _sources(value: Any) -> list[tuple[str, Any]]:
     return [("", item) for item in many] or [("", None)]
 
 
-def _frames(images: Any, descriptors: Any) -> Any:
+def _frames(images: Any, descriptors: Any, has_many: bool = False) -> Any:
     """The only one of the two, in which images are paths."""
     if images is not None and descriptors is not None:
         raise UsageError("there are images and descriptors. Pass one of them")
-    if any(np.ndim(image) > 0 for _, image in _sources(images)):
-        raise UsageError("images are paths. Pass arrays as descriptors")
+    listed = [image for _, image in _sources(images)] if has_many else [images]
+    for image in listed:
+        if np.asarray(image).dtype.kind in "UO" and np.ndim(image) > 0 or isinstance(image, Iterator):
+            raise UsageError("images are a folder, a video, or a list file with one path per "
+                             "line. Write the paths to a file: walk.txt")
+        if np.ndim(image) > 0:
+            raise UsageError("images are paths. Pass arrays as descriptors")
     return images if descriptors is None else descriptors
 
 
@@ -312,13 +321,13 @@ def train(images: Any = None, *, descriptors: Any = None, pretrain: Any = None,
     (['train'], dtype('int16'), (200, 64))
     """
     return _vpr.train(_call("train", settings, progress),
-                      _sources(_frames(images, descriptors)),
+                      _sources(_frames(images, descriptors, True)),
                       [] if pretrain is None else _sources(pretrain))
 
 
 def load(path: Path) -> Any:
     """Opens a folder of vpr-train as a Database, or a result file (.json) as a Result."""
-    is_result = os.path.isfile(path) or os.fspath(path).endswith(".json")
+    is_result = os.path.isfile(path) or os.fsdecode(path).endswith(".json")
     load = _vpr.load_result if is_result else _vpr.load_database
     return load(_call("load", {}), path)
 
@@ -347,8 +356,8 @@ def loops(images: Optional[Path] = None, *, descriptors: Source = None,
     """Recognizes the places of a sequence in its own past, as vpr-query loops.
 
     db: FAB-MAP's, for its words and places; without it, windows are compared.
-    Settings: loop_gap (the least number of frames between a frame and its match) or loop_gap_s
-        (seconds, with frame_times), descriptor, and those of query.
+    Settings: loop_gap (least distance of a match, in frames) or loop_gap_s (seconds, with
+        frame_times), descriptor, and those of query.
 
     >>> laps = np.concatenate([monday, tuesday])
     >>> result = vpr.loops(descriptors=laps, loop_gap=100, c_l=5, score="zscore", t_r=-2)
@@ -360,48 +369,92 @@ def loops(images: Optional[Path] = None, *, descriptors: Source = None,
                       _frames(images, descriptors), True)
 
 
+def _table(value: Any, name: str) -> Any:
+    """A DataFrame with the names of its columns in lower case, and its index among them."""
+    if any(label is not None for label in value.index.names):
+        value = value.reset_index()
+    table = value.rename(columns=lambda column: str(column).strip().lower())
+    table = table.drop(columns="unnamed: 0", errors="ignore")  # an index that was saved
+    if {"query", "reference"}.issubset(table) and table[["query", "reference"]].isna().any(axis=None):
+        raise UsageError(f"{name}: a row has no query or no reference. Omit frames without a match")
+    return table
+
+
+def _refuse_lists(value: Any, frames: int) -> None:
+    """Refuses the lists of matches of each query frame, whose rows look like pairs."""
+    is_mapping = isinstance(value, Mapping)
+    is_object = isinstance(value, np.ndarray) and value.dtype == object and value.ndim > 0
+    items = list(value.values() if is_mapping else value) if is_mapping or is_object or isinstance(
+        value, (list, tuple)) else []
+    rows: list[Any] = [item for item in items if isinstance(item, (list, tuple, set)) or
+            isinstance(item, np.ndarray) and item.ndim == 1 and item.dtype.kind in "iu"]
+    lengths = {len(row) for row in rows}
+    are_lists = is_mapping or is_object or len(lengths) > 1
+    if lengths == {2}:
+        are_lists |= isinstance(rows[0], np.ndarray) or isinstance(rows[0], list) and (
+            len(rows) == frames > len({row[0] for row in rows}))
+    if rows and are_lists:
+        raise UsageError("ground_truth: lists of the matches of each query frame need another form. Pass pairs: "
+                         "[(query, match) for query, found in enumerate(LISTS) for match in found]")
+
+
+def _positions(array: Any, name: str, has_headings: bool) -> Any:
+    """Positions with their frames."""
+    if array.ndim != 2 or array.shape[1] not in (2, 3):
+        raise UsageError(f"{name}: positions are n x 2 (x and y) or n x 3 (with the heading), found "
+                         f"{' x '.join(map(str, array.shape))}. Pass others as a DataFrame with the "
+                         "columns of a CSV file, such as x, y, z or time, x, y, z, qx, qy, qz, qw")
+    if array.shape[1] == 3 and not has_headings:
+        raise UsageError(f"{name}: the third column is the heading, which needs "
+                         "angle_deg. Pass heights as a DataFrame with columns x, y, z")
+    return np.column_stack([np.arange(len(array)), array])
+
+
 def _evaluate(function: str, result: Optional[Result], scores: Source, truth: Source,
               settings: dict[str, Any], progress: Progress) -> Report:
-    """Arrays become files, so that the readers of ground truths check them."""
+    """Arrays other than pairs become files, so that the readers of ground truths check them."""
     if isinstance(truth, str) and not truth:
         raise UsageError(f"vpr.{function}: ground_truth is empty. Omit it")
-    files: dict[str, Any] = {"ground_truth": truth, "reference": settings.get("reference")}
-    has_positions = files["reference"] is not None
+    given: dict[str, Any] = {"ground_truth": truth, "reference": settings.get("reference")}
+    has_positions = given["reference"] is not None
+    frames = (getattr(scores, "shape", ()) or (0,))[0] if result is None else result.json.query.frames
     with tempfile.TemporaryDirectory() as folder:
-        for name, value in files.items():
+        for name, value in given.items():
             if value is None or isinstance(value, (str, os.PathLike)):
                 continue
             if any(isinstance(column, str) for column in getattr(value, "columns", ())):
-                table = value.rename(columns=lambda column: str(column).strip().lower())
-                files[name] = f"{folder}/{name}.csv"
+                table = _table(value, name)
+                given[name] = f"{folder}/{name}.csv"
                 has_frames = {"query", "frame", "image", "time"}.intersection(table)
                 if not has_frames and {"x", "lat", "latitude"}.intersection(table):
+                    if not table.index.is_monotonic_increasing:
+                        raise UsageError(f"{name}: its rows are not in the order of their index. Sort them, or use "
+                                         "reset_index(drop=True) if their order is right")
                     table = table.assign(frame=range(len(table)))
-                table.to_csv(files[name], index=False)
-                files[name] += f"@0:{len(table)}" if "frame" in table and not has_frames else ""
+                table.to_csv(given[name], index=False)
+                given[name] += f"@0:{len(table)}" if "frame" in table and not has_frames else ""
                 continue
+            if not has_positions:
+                _refuse_lists(value, frames)
             array = np.asarray(_vpr.array_of(value, name))
-            has_pairs = not has_positions and array.shape[1:] == (2,)
-            if has_pairs and array.dtype.kind == "f" and (array == array.round()).all() and (
-                    array.max(initial=2 if array.size == 0 else 0) > 1):  # or labels of two training frames
-                array = array.astype(np.int64)
-            columns = ["query", "reference"]
             if has_positions:
-                if array.shape[1:] == (3,) and settings.get("angle_deg") is None:
-                    raise UsageError(f"{name}: the third column is the heading, which needs "
-                                     "angle_deg. Pass heights as a DataFrame with columns x, y, z")
-                array = np.column_stack([np.arange(len(array)), array])
-                columns = ["frame", "x", "y", "heading"][:array.shape[1]]
-            is_table = has_positions or (has_pairs and array.dtype.kind in "iu")
-            files[name] = f"{folder}/{name}" + (".csv" if is_table else ".npy")
-            if is_table:
-                np.savetxt(files[name], array, "%.17g", ",", header=",".join(columns), comments="")
-                files[name] += f"@0:{len(array)}" if has_positions else ""
-            else:
-                np.save(files[name], array)
-        call = _call(function, {**settings, "reference": files["reference"]}, progress)
+                array = _positions(array, name, settings.get("angle_deg") is not None)
+                given[name] = f"{folder}/{name}.csv"
+                np.savetxt(given[name], array, "%.17g", ",", comments="",
+                           header=",".join(["frame", "x", "y", "heading"][:array.shape[1]]))
+                given[name] += f"@0:{len(array)}"
+                continue
+            is_whole = array.dtype.kind in "iu" or array.dtype.kind == "f" and (
+                (array == array.round()).all() and
+                array.max(initial=2 if array.size == 0 else 0) > 1)  # or labels of two training frames
+            if array.shape[1:] == (2,) and is_whole and settings.get("format") in (None, "pairs"):
+                given[name] = array.astype(np.int64)
+                continue
+            given[name] = f"{folder}/{name}.npy"
+            np.save(given[name], array)
+        call = _call(function, {**settings, "reference": given["reference"]}, progress)
         call.folder = folder + "/"
-        return Report(_vpr.evaluate(call, result, scores, files["ground_truth"]))
+        return Report(_vpr.evaluate(call, result, scores, given["ground_truth"]))
 
 
 def evaluate(result: Result, ground_truth: Source = None, *, progress: Progress = None,
@@ -409,10 +462,11 @@ def evaluate(result: Result, ground_truth: Source = None, *, progress: Progress 
     """Judges a result by a ground truth; without one, it counts what was recognized.
 
     ground_truth: a file or folder of any format, "aligned", or an array: pairs (n x 2 integers,
-        query and training frame); a matrix of labels (query x training frames, bool or uint8); or
-        positions of all frames in meters (x, y and, with angle_deg, the heading in degrees) with
-        reference (those of the training frames) and radius_m. Columns of a DataFrame are those of
-        a CSV file.
+        numbers of a query and a training frame); a matrix of labels (query x training frames,
+        bool or uint8); or positions of all frames in meters (x, y and, with angle_deg, the heading
+        in degrees) with reference (those of the training frames) and radius_m. Columns of a
+        DataFrame, and its index if that has a name, are those of a CSV file. For a result of
+        loops, pairs within the gap are ignored.
     Settings: tolerance, format, reference, radius_m, ... as in data set descriptions; confidence,
         recall_at, stretch, poses, places and name as in vpr-eval.
 
@@ -468,6 +522,8 @@ def compare(reports: Any, *, progress: Progress = None, **settings: object) -> C
     ...                    for name, by in found.items()}).reports[1].name)
     windows
     """
+    if isinstance(reports, (Report, str, bytes, os.PathLike)):
+        reports = [reports]
     named = reports.items() if isinstance(reports, Mapping) else [("", one) for one in reports]
     texts, names = [], []
     for number, (name, report) in enumerate(named):
