@@ -231,7 +231,7 @@ std::string Judged::summary() const { return summary_sentence(evaluation, std::n
 
 std::shared_ptr<Judged> evaluate(Keywords& keywords,
                                  const std::shared_ptr<const StoredResult>& result,
-                                 ScoreInput scores, std::optional<GroundTruthArgument> truth,
+                                 ScoreInput scores, const std::optional<GroundTruthArgument>& truth,
                                  const std::string& truth_text, const Monitor& monitor) {
   const Stopwatch watch;
   EvaluationSettings by;

@@ -133,7 +133,7 @@ struct Judged {
 /// `truth_text`, is part of the report.
 std::shared_ptr<Judged> evaluate(Keywords& keywords,
                                  const std::shared_ptr<const StoredResult>& result,
-                                 ScoreInput scores, std::optional<GroundTruthArgument> truth,
+                                 ScoreInput scores, const std::optional<GroundTruthArgument>& truth,
                                  const std::string& truth_text, const Monitor& monitor);
 
 /// Runs `write`, and commits its outputs, which replace no input of the run. `replace`: outputs
