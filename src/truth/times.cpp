@@ -64,7 +64,7 @@ std::optional<TimeUnit> unit_of_times(const FileLocation& file,
     has_points = has_points || text.find('.') < text.size();
   }
   std::ranges::sort(values);
-  values.erase(std::ranges::unique(values).begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
   std::vector<double> steps;
   for (size_t i = 1; i < values.size(); ++i) steps.push_back(values[i] - values[i - 1]);
   if (steps.empty()) return unit_of_time(texts.front());
