@@ -222,27 +222,28 @@ GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const
   return read_ground_truth(*by.ground_truth, scope, monitor);
 }
 
-// The least distance between a frame and its match in a loop query, in frames; 1 for a gap in
-// seconds. Nullopt for other queries.
-std::optional<int64_t> loop_gap(const Result& result) {
-  constexpr uint64_t kMostGap = uint64_t{1} << 32;
+bool is_loop(const Result& result) {
+  if (const auto* fabmap = std::get_if<FabmapQuerySettings>(&result.settings)) return fabmap->loop;
+  return std::get<SequenceQuerySettings>(result.settings).past.has_value();
+}
+
+// The number of frames before `frame` that a loop query searches; all of them for a gap in seconds.
+uint64_t searched_before(const Result& result, uint64_t frame) {
   if (const auto* fabmap = std::get_if<FabmapQuerySettings>(&result.settings))
-    return fabmap->loop ? std::optional<int64_t>(std::min(fabmap->loop_gap, kMostGap) + 1)
-                        : std::nullopt;
-  const auto& past = std::get<SequenceQuerySettings>(result.settings).past;
-  if (!past) return std::nullopt;
-  const auto* frames = std::get_if<uint64_t>(&past->gap);
-  return frames == nullptr ? 1 : std::min(*frames, kMostGap);
+    return fabmap->searched_before(frame);
+  const auto& gap = std::get<SequenceQuerySettings>(result.settings).past->gap;
+  const auto* frames = std::get_if<uint64_t>(&gap);
+  return frames == nullptr ? frame : frame - std::min(*frames, frame + 1) + 1;
 }
 
 // In a loop query, frames within the gap and later ones are not searched: their pairs with the
 // query, which is the last training sequence, are ignored.
 void ignore_unsearched(GroundTruth& truth, const Result& result) {
-  const std::optional<int64_t> gap = loop_gap(result);
-  if (!gap || !truth.is_known) return;
+  if (!is_loop(result) || !truth.is_known) return;
   for (size_t query = 0; query < truth.pairs.size(); ++query) {
+    const auto searched = static_cast<int64_t>(searched_before(result, query));
     // A searched frame may be the same place by a pair that is the tolerance farther.
-    const int64_t last = static_cast<int64_t>(query) - *gap + truth.tolerance_frames;
+    const int64_t last = searched == 0 ? -1 : searched - 1 + truth.tolerance_frames;
     std::vector<GroundTruth::Pair> kept;
     for (GroundTruth::Pair pair : truth.pairs[query]) {
       const bool is_own = pair.sequence + 1 == result.sequences.size();

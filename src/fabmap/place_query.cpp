@@ -77,7 +77,7 @@ size_t known_views(const FabmapDatabase& searched, size_t query_frames, size_t f
                    const FabmapQuerySettings& settings) {
   if (!settings.loop) return searched.views.views();
   const size_t from_database = searched.views.views() - query_frames;
-  return from_database + (frame > settings.loop_gap ? frame - settings.loop_gap : 0);
+  return from_database + settings.searched_before(frame);
 }
 
 // Initializes the probability of new views for the motion model.

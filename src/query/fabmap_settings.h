@@ -51,6 +51,9 @@ struct FabmapQuerySettings {
   uint64_t loop_gap = 10;  ///< except for this number of frames directly after them
   bool skip_unreadable = false;
   PosteriorSettings posterior;
+
+  /// With `loop`, the number of frames before `frame` that it may match.
+  uint64_t searched_before(uint64_t frame) const { return frame > loop_gap ? frame - loop_gap : 0; }
 };
 
 template <class Visitor>

@@ -1,7 +1,6 @@
 #include "truth/frame_cells.h"
 
 #include <algorithm>
-#include <optional>
 
 namespace vpr {
 
@@ -57,6 +56,21 @@ void find_names(std::span<FrameCells> columns, const FileLocation& file, std::st
            "{}: {} is read as the name of frame {}, because every cell of its column is a name. {}",
            file.file, digits.moved, *column.names->find(digits.moved), advice);
   }
+}
+
+std::vector<std::optional<size_t>> entries_by_frame(const FrameNames& frames,
+                                                    std::span<const std::string> names,
+                                                    std::span<const size_t> lines,
+                                                    const std::string& file) {
+  std::vector<std::optional<size_t>> entries(frames.count());
+  for (size_t i = 0; i < names.size(); ++i) {
+    const auto frame = names[i].empty() ? std::nullopt : frames.find(names[i]);
+    if (!frame) continue;  // of another sequence
+    if (entries[*frame])
+      FileLocation{file, "line", lines[i]}.fail("the image {} is listed twice", names[i]);
+    entries[*frame] = i;
+  }
+  return entries;
 }
 
 }  // namespace vpr

@@ -1,7 +1,9 @@
 // Cells that refer to frames by their number or their name.
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -25,5 +27,13 @@ struct FrameCells {
 /// `advice` says how to state that they are numbers.
 void find_names(std::span<FrameCells> columns, const FileLocation& file, std::string_view advice,
                 const Monitor& monitor);
+
+/// For each of the frames, the entry of a file that has its name; nullopt: none has. Entries may
+/// name frames of other sequences, or none (empty). Throws Error(data), with its line, for a second
+/// entry of a frame. `lines`: of the entries.
+std::vector<std::optional<size_t>> entries_by_frame(const FrameNames& frames,
+                                                    std::span<const std::string> names,
+                                                    std::span<const size_t> lines,
+                                                    const std::string& file);
 
 }  // namespace vpr

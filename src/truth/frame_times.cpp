@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "recordings/frames.h"
 #include "recordings/live_source.h"
+#include "truth/frame_cells.h"
 #include "truth/times.h"
 
 namespace vpr {
@@ -56,18 +57,17 @@ std::string_view time_cell(const Rows& rows) {
   return text;
 }
 
-/// A line of a list of times.
-struct ListedTime {
-  int64_t time = 0;
-  size_t line = 0;
-  std::string image = {};  // empty: not named
+// The lines of a list of times.
+struct ListedTimes {
+  std::vector<int64_t> times = {};
+  std::vector<size_t> lines = {};
+  std::vector<std::string> images = {};  // empty: not named
 };
 
 // The names of the frames, if lines name images.
-std::optional<FrameNames> names_for(const std::vector<ListedTime>& listed, const NameReader& names,
+std::optional<FrameNames> names_for(const ListedTimes& listed, const NameReader& names,
                                     const std::string& file, const Monitor& monitor) {
-  if (std::ranges::all_of(listed, [](const auto& one) { return one.image.empty(); }))
-    return std::nullopt;
+  if (std::ranges::all_of(listed.images, &std::string::empty)) return std::nullopt;
   try {
     return find_names(names);
   } catch (const Error& error) {
@@ -80,31 +80,25 @@ std::optional<FrameNames> names_for(const std::vector<ListedTime>& listed, const
   }
 }
 
-// The lines of the frames in their order; nullopt if no line names one of them.
-std::optional<std::vector<ListedTime>> sorted_by_name(const std::vector<ListedTime>& listed,
-                                                      const FrameNames& names,
-                                                      const std::string& file) {
-  std::vector<const ListedTime*> found(names.count());
-  for (const ListedTime& one : listed) {
-    const auto frame = one.image.empty() ? std::nullopt : names.find(one.image);
-    if (!frame) continue;  // of another sequence
-    if (found[*frame] != nullptr)
-      FileLocation{file, "line", one.line}.fail("the image {} is listed twice", one.image);
-    found[*frame] = &one;
-  }
-  if (std::ranges::all_of(found, [](const auto* one) { return one == nullptr; }))
+// The times of the frames in their order; nullopt if no line names one of them.
+std::optional<std::vector<int64_t>> times_by_name(const ListedTimes& listed,
+                                                  const FrameNames& names,
+                                                  const std::string& file) {
+  const auto entries = entries_by_frame(names, listed.images, listed.lines, file);
+  if (std::ranges::none_of(entries, [](const auto& entry) { return entry.has_value(); }))
     return std::nullopt;
-  std::vector<ListedTime> sorted;
+  std::vector<int64_t> times;
   for (size_t frame = 0; frame < names.count(); ++frame) {
-    if (found[frame] == nullptr) FileLocation{file}.fail("has no time of {}", names.name(frame));
-    sorted.push_back(*found[frame]);
-    if (frame > 0 && sorted[frame].time <= sorted[frame - 1].time)
-      FileLocation{file, "line", sorted[frame].line}.fail(
+    if (!entries[frame]) FileLocation{file}.fail("has no time of {}", names.name(frame));
+    const int64_t time = listed.times[*entries[frame]];
+    if (frame > 0 && time <= times.back())
+      FileLocation{file, "line", listed.lines[*entries[frame]]}.fail(
           "{} is not later than {}, which is before it in the sequence. Pass a list of the images "
           "in the order of their times",
           names.name(frame), names.name(frame - 1));
+    times.push_back(time);
   }
-  return sorted;
+  return times;
 }
 
 std::string text_of(const SequenceArgument& argument) {
@@ -174,7 +168,7 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path, const Nam
              /*has_others=*/true,
              /*is_ragged=*/true});
   TimeReader reader(unit_of_times(rows, "time"));
-  std::vector<ListedTime> listed;
+  ListedTimes listed;
   bool are_frames = rows.header().empty();    // the first of two columns counts them
   bool are_integers = rows.header().empty();  // of two columns, the first one in seconds
   for (size_t i = 0; rows.next(); ++i) {
@@ -189,16 +183,18 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path, const Nam
     are_integers = are_integers && cells.size() == 2 && parse_number<int64_t>(cells[0]) &&
                    parse_number<int64_t>(cells[1]) && unit_of_time(cells[0]) == TimeUnit::seconds;
     const std::string_view image = rows.text("image");
-    const ListedTime line{reader.read(rows.location(), text), rows.line(),
-                          std::string(parse_real(image) ? "" : image)};
-    if (i == 1 && rows.header().empty() && listed.size() == 1 && listed[0].time == 0 &&
-        cells.size() == 1 && line.time > kYear)
+    const int64_t time = reader.read(rows.location(), text);
+    if (i == 1 && rows.header().empty() && listed.times == std::vector<int64_t>{0} &&
+        cells.size() == 1 && time > kYear)
       rows.fail(
           "the line before, 0, seems to be a header of pandas. Name the column \"time\", or omit "
           "the header, as in to_csv(header=False)");
-    if (frame_in_range(source.range, i)) listed.push_back(line);
+    if (!frame_in_range(source.range, i)) continue;
+    listed.times.push_back(time);
+    listed.lines.push_back(rows.line());
+    listed.images.emplace_back(parse_real(image) ? "" : image);
   }
-  if (listed.empty()) rows.fail("has no times");
+  if (listed.times.empty()) rows.fail("has no times");
   if (are_frames && rows.size() > 1)
     rows.fail(
         "its first column counts 0, 1, 2, ... Add a first line that names the columns, such as "
@@ -208,14 +204,12 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path, const Nam
         "its second column may be a fraction of the first one. Use a decimal point, or add a first "
         "line that names the columns, such as time,frame");
   if (const auto known = names_for(listed, names, path.string(), monitor))
-    if (auto sorted = sorted_by_name(listed, *known, path.string())) listed = *std::move(sorted);
-  std::vector<int64_t> times;
-  for (const ListedTime& one : listed) {
-    if (!times.empty() && one.time <= times.back())
-      refuse_time_order({path.string(), "line", one.line}, times.back(), one.time);
-    times.push_back(one.time);
-  }
-  return times;
+    if (auto times = times_by_name(listed, *known, path.string())) return *std::move(times);
+  for (size_t i = 1; i < listed.times.size(); ++i)
+    if (listed.times[i] <= listed.times[i - 1])
+      refuse_time_order({path.string(), "line", listed.lines[i]}, listed.times[i - 1],
+                        listed.times[i]);
+  return std::move(listed.times);
 }
 
 std::vector<int64_t> read_frame_times(const std::filesystem::path& path, const NameReader& names,

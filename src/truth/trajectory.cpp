@@ -16,6 +16,7 @@
 #include "base/rows.h"
 #include "base/text.h"
 #include "truth/formats.h"
+#include "truth/frame_cells.h"
 #include "truth/frame_times.h"
 #include "truth/layouts.h"
 #include "truth/positions.h"
@@ -158,20 +159,14 @@ std::optional<Poses> poses_by_name(const Trajectory& trajectory, const SideOptio
   if (count == 0 && !must_have_all)
     throw Error(ErrorKind::data, "{}: no line names a frame of the sequence; the first names {}",
                 trajectory.name, trajectory.names.front());
-  Poses poses(names->count());
-  std::vector<bool> is_named(poses.size());
-  FileLocation location{trajectory.name};
-  for (size_t i = 0; i < trajectory.names.size(); ++i) {
-    const std::string& name = trajectory.names[i];
-    location.at("line", trajectory.lines[i]);
-    const auto frame = names->find(name);
-    if (!frame && must_have_all)
-      location.fail("{} has no image {}, or several", side.files.images.string(), name);
-    if (!frame) continue;  // of another sequence
-    if (is_named[*frame]) location.fail("the image {} is listed twice", name);
-    is_named[*frame] = true;
-    poses[*frame] = trajectory.poses[i];
-  }
+  for (size_t i = 0; must_have_all && i < trajectory.names.size(); ++i)
+    if (const std::string& name = trajectory.names[i]; !names->find(name))
+      FileLocation{trajectory.name, "line", trajectory.lines[i]}.fail(
+          "{} has no image {}, or several", side.files.images.string(), name);
+  Poses poses;
+  for (const auto entry :
+       entries_by_frame(*names, trajectory.names, trajectory.lines, trajectory.name))
+    poses.push_back(entry ? trajectory.poses[*entry] : std::nullopt);
   return poses;
 }
 

@@ -398,8 +398,23 @@ def _refuse_lists(value: Any, frames: int) -> None:
                          "[(query, match) for query, found in enumerate(LISTS) for match in found]")
 
 
-def _positions(array: Any, name: str, has_headings: bool) -> Any:
-    """Positions with their frames."""
+def _save_table(table: Any, name: str, folder: str) -> str:
+    """The argument for the CSV file of a DataFrame of _table(); rows without names or times are frames."""
+    has_frames = {"query", "frame", "image", "time"}.intersection(table)
+    are_frames = not has_frames and bool({"x", "lat", "latitude"}.intersection(table))
+    if are_frames and not table.index.is_monotonic_increasing:
+        raise UsageError(f"{name}: its rows are not in the order of their index. Sort them, or use "
+                         "reset_index(drop=True) if their order is right")
+    if are_frames:
+        table = table.assign(frame=range(len(table)))
+    path = f"{folder}/{name}.csv"
+    table.to_csv(path, index=False)
+    return f"{path}@0:{len(table)}" if are_frames else path
+
+
+def _save_positions(value: Any, name: str, folder: str, has_headings: bool) -> str:
+    """The argument for the CSV file of the positions of all frames."""
+    array = np.asarray(_vpr.array_of(value, name))
     if array.ndim != 2 or array.shape[1] not in (2, 3):
         raise UsageError(f"{name}: positions are n x 2 (x and y) or n x 3 (with the heading), found "
                          f"{' x '.join(map(str, array.shape))}. Pass others as a DataFrame with the "
@@ -407,54 +422,46 @@ def _positions(array: Any, name: str, has_headings: bool) -> Any:
     if array.shape[1] == 3 and not has_headings:
         raise UsageError(f"{name}: the third column is the heading, which needs "
                          "angle_deg. Pass heights as a DataFrame with columns x, y, z")
-    return np.column_stack([np.arange(len(array)), array])
+    path = f"{folder}/{name}.csv"
+    np.savetxt(path, np.column_stack([np.arange(len(array)), array]), "%.17g", ",", comments="",
+               header=",".join(["frame", "x", "y", "heading"][:1 + array.shape[1]]))
+    return f"{path}@0:{len(array)}"
+
+
+def _pairs_or_saved_labels(value: Any, frames: int, folder: str, may_be_pairs: bool) -> Source:
+    """Pairs as integers, or the path of a matrix of labels."""
+    _refuse_lists(value, frames)
+    array = np.asarray(_vpr.array_of(value, "ground_truth"))
+    is_whole = array.dtype.kind in "iu" or array.dtype.kind == "f" and (
+        (array == array.round()).all() and
+        array.max(initial=2 if array.size == 0 else 0) > 1)  # or labels of two training frames
+    if array.shape[1:] == (2,) and is_whole and may_be_pairs:
+        return array.astype(np.int64)
+    path = f"{folder}/ground_truth.npy"
+    np.save(path, array)
+    return path
 
 
 def _evaluate(function: str, result: Optional[Result], scores: Source, truth: Source,
               settings: dict[str, Any], progress: Progress) -> Report:
-    """Arrays other than pairs become files, so that the readers of ground truths check them."""
+    """Tables and arrays other than pairs become files, so that the readers of ground truths check them."""
     if isinstance(truth, str) and not truth:
         raise UsageError(f"vpr.{function}: ground_truth is empty. Omit it")
-    given: dict[str, Any] = {"ground_truth": truth, "reference": settings.get("reference")}
-    has_positions = given["reference"] is not None
+    reference = settings.get("reference")
     frames = (getattr(scores, "shape", ()) or (0,))[0] if result is None else result.json.query.frames
     with tempfile.TemporaryDirectory() as folder:
-        for name, value in given.items():
+        def argument(value: Any, name: str) -> Source:
             if value is None or isinstance(value, (str, os.PathLike)):
-                continue
+                return value
             if any(isinstance(column, str) for column in getattr(value, "columns", ())):
-                table = _table(value, name)
-                given[name] = f"{folder}/{name}.csv"
-                has_frames = {"query", "frame", "image", "time"}.intersection(table)
-                if not has_frames and {"x", "lat", "latitude"}.intersection(table):
-                    if not table.index.is_monotonic_increasing:
-                        raise UsageError(f"{name}: its rows are not in the order of their index. Sort them, or use "
-                                         "reset_index(drop=True) if their order is right")
-                    table = table.assign(frame=range(len(table)))
-                table.to_csv(given[name], index=False)
-                given[name] += f"@0:{len(table)}" if "frame" in table and not has_frames else ""
-                continue
-            if not has_positions:
-                _refuse_lists(value, frames)
-            array = np.asarray(_vpr.array_of(value, name))
-            if has_positions:
-                array = _positions(array, name, settings.get("angle_deg") is not None)
-                given[name] = f"{folder}/{name}.csv"
-                np.savetxt(given[name], array, "%.17g", ",", comments="",
-                           header=",".join(["frame", "x", "y", "heading"][:array.shape[1]]))
-                given[name] += f"@0:{len(array)}"
-                continue
-            is_whole = array.dtype.kind in "iu" or array.dtype.kind == "f" and (
-                (array == array.round()).all() and
-                array.max(initial=2 if array.size == 0 else 0) > 1)  # or labels of two training frames
-            if array.shape[1:] == (2,) and is_whole and settings.get("format") in (None, "pairs"):
-                given[name] = array.astype(np.int64)
-                continue
-            given[name] = f"{folder}/{name}.npy"
-            np.save(given[name], array)
-        call = _call(function, {**settings, "reference": given["reference"]}, progress)
+                return _save_table(_table(value, name), name, folder)
+            if reference is not None:
+                return _save_positions(value, name, folder, settings.get("angle_deg") is not None)
+            return _pairs_or_saved_labels(value, frames, folder, settings.get("format") in (None, "pairs"))
+
+        call = _call(function, {**settings, "reference": argument(reference, "reference")}, progress)
         call.folder = folder + "/"
-        return Report(_vpr.evaluate(call, result, scores, given["ground_truth"]))
+        return Report(_vpr.evaluate(call, result, scores, argument(truth, "ground_truth")))
 
 
 def evaluate(result: Result, ground_truth: Source = None, *, progress: Progress = None,
