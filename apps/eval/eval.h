@@ -117,10 +117,17 @@ struct OpenedScores {
 /// the result.
 OpenedScores open_inputs(const Session& session, const EvalFlags& flags, const EvalRow& row);
 
+/// The data set's query of this name, or else --query; nullopt without both.
+std::optional<SequenceArgument> query_argument(const EvalFlags& flags,
+                                               const std::optional<std::string>& name);
+
 /// The names of query frames, and of training frames by sequence, from --query and --train or the
-/// data set; empty without them.
-std::vector<std::string> query_names(const EvalFlags& flags);
-std::vector<std::vector<std::string>> train_names(const EvalFlags& flags);
+/// data set; empty without them. `query` and `searched`: names of the evaluated sequences, by which
+/// those of a data set are chosen; `searched` is empty for scores, whose columns are all of them.
+std::vector<std::string> query_names(const EvalFlags& flags,
+                                     const std::optional<std::string>& query = {});
+std::vector<std::vector<std::string>> train_names(const EvalFlags& flags,
+                                                  const std::vector<std::string>& searched = {});
 /// The names of all training sequences in one list, as the columns of scores are one sequence.
 std::vector<std::string> joined(const std::vector<std::vector<std::string>>& names);
 
@@ -138,7 +145,7 @@ Evaluated evaluate(Session& session, const EvalFlags& flags, const EvalRow& row)
 struct EvalRun {
   Session& session;
   const EvalFlags& flags;
-  std::optional<double> frames_per_second;  ///< of the data set
+  std::optional<double> recorded_fps;  ///< constant rate of the query's recording
   std::string summary;
   std::vector<CheckedValue> checked;  ///< by --expect
 };
@@ -171,6 +178,10 @@ struct GivenOutput {
 };
 
 std::vector<GivenOutput> given_outputs(const EvalFlags& flags);
+
+/// The rate of the query's selected range in frames per second, if the data set states one, and if
+/// a video or the names of images do not have times of their own.
+std::optional<double> constant_rate(const EvalFlags& flags, const Evaluated& evaluated);
 
 /// Claims the report and these outputs.
 void claim_outputs(const Session& session, const std::vector<GivenOutput>& given);

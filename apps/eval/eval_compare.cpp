@@ -34,9 +34,11 @@ void check_ground_truths(const Monitor& monitor, const CompareInputs& inputs,
   size_t other = 1;  // the first report with another ground truth
   const auto& first = reports[0].provenance.ground_truth;
   while (other + 1 < reports.size() && reports[other].provenance.ground_truth == first) ++other;
-  const std::string words =
-      fmt::format("\"{}\" in {}, \"{}\" in {}", reports[0].protocol.ground_truth, paths[0],
-                  reports[other].protocol.ground_truth, paths[other]);
+  const std::string& truth = reports[0].protocol.ground_truth;
+  const std::string& other_truth = reports[other].protocol.ground_truth;
+  const std::string words = fmt::format(
+      "\"{}\" in {}, \"{}\" in {}{}", truth, paths[0], other_truth, paths[other],
+      truth == other_truth ? ", of other frames or searched sequences (--only-sequence)" : "");
   switch (compare_ground_truths(reports)) {
     case GroundTruths::same:
       return;

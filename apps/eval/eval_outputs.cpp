@@ -62,27 +62,46 @@ TrainPositions read_positions(const Dataset& dataset, const Evaluation& evaluati
   return positions;
 }
 
-// Times of --query-times or, without them, frames of the recording by frames_per_second.
-FrameTimes times_of(const Evaluation& evaluation, const GroundTruthOptions& options,
-                    std::optional<double> frames_per_second, const Monitor& monitor) {
-  const Sequence& query = evaluation.query();
-  const bool is_recorded = query.selection.speed.empty();  // other frames have no times
-  std::vector<int64_t> times_ns;
-  if (is_recorded && !options.query.times.empty()) {
-    times_ns = read_frame_times(
-        options.query.times,
-        names_of_side(options.query, evaluation.judgment.layout.scope.query_names), monitor);
-    if (times_ns.size() < query.recorded_frames())
+// Times of --query-times, of the images, or at the constant rate, in nanoseconds; empty: unknown.
+std::vector<int64_t> recorded_times(const EvalRun& run, const Evaluated& evaluated,
+                                    const GroundTruthOptions& options) {
+  const Sequence& query = evaluated.evaluation.query();
+  const size_t frames = query.recorded_frames();
+  const GroundTruthScope& scope = evaluated.evaluation.judgment.layout.scope;
+  const Monitor& monitor = run.session.monitor;
+  if (!options.query.times.empty()) {
+    std::vector<int64_t> times = read_frame_times(
+        options.query.times, names_of_side(options.query, scope.query_names), monitor);
+    if (times.size() < frames)
       throw Error(ErrorKind::data, "{}: has {}, the query has {}", options.query.times.string(),
-                  counted(times_ns.size(), "time"), counted(query.recorded_frames(), "frame"));
+                  counted(times.size(), "time"), counted(frames, "frame"));
+    const int64_t offset = std::llround(options.query.offset_s.value_or(0) * double{kSecond});
+    for (int64_t& time : times) time += offset;
+    return times;
   }
-  FrameTimes times{{}, !times_ns.empty() || frames_per_second};
+  const auto given = query_argument(run.flags, query.name);
+  const auto source = given && fs::exists(given->path)
+                          ? std::optional(open_sequence(*given))
+                          : recorded_frames(scope, evaluated.stored.get()).query;
+  if (source && states_times(*source))
+    if (auto times = find_times(*source, {}, {}, monitor); times && times->size() == frames)
+      return *std::move(times);
+  return run.recorded_fps ? even_times(frames, *run.recorded_fps) : std::vector<int64_t>{};
+}
+
+// The times of frames at a simulated speed are unknown.
+FrameTimes times_of(const EvalRun& run, const Evaluated& evaluated,
+                    const GroundTruthOptions& options) {
+  const Sequence& query = evaluated.evaluation.query();
+  const bool is_recorded = query.selection.speed.empty();
+  const auto times_ns = is_recorded        ? recorded_times(run, evaluated, options)
+                        : run.recorded_fps ? even_times(query.frames, *run.recorded_fps)
+                                           : std::vector<int64_t>{};
+  FrameTimes times{{}, !times_ns.empty()};
   for (size_t frame = 0; frame < query.frames; ++frame) {
     const size_t source = is_recorded ? query.selection.source_of(frame) : frame;
-    times.texts.push_back(
-        times_ns.empty()
-            ? fmt::format("{:.6f}", static_cast<double>(source) / frames_per_second.value_or(1))
-            : time_text(times_ns[source]));
+    times.texts.push_back(times_ns.empty() ? fmt::format("{:.6f}", static_cast<double>(source))
+                                           : time_text(times_ns[source]));
   }
   return times;
 }
@@ -121,18 +140,11 @@ FrameSources find_frames(const EvalFlags& flags, const Evaluated& evaluated) {
   const GroundTruthScope& scope = evaluation.judgment.layout.scope;
   FrameSources sources;
   std::vector<NamedSequence> train;
-  if (!flags.truth.dataset.empty()) {
-    const Dataset dataset = read_dataset(flags.truth.dataset);
-    const std::string& name = evaluation.query().name;
-    const bool is_named = std::ranges::any_of(
-        dataset.queries, [&](const DatasetQuery& query) { return query.sequence.name == name; });
-    sources.query = open_sequence(
-        select_query(dataset, is_named ? std::optional(name) : flags.query).sequence.sequence);
-    // The references of FAB-MAP are places, not training sequences.
-    if (!evaluated.report.has_places()) train = dataset.train;
-  } else if (flags.query) {
-    sources.query = open_sequence(parse_sequence_argument(*flags.query));
-  }
+  if (const auto query = query_argument(flags, evaluated.evaluation.query().name))
+    sources.query = open_sequence(*query);
+  // The references of FAB-MAP are places, not training sequences.
+  if (!flags.truth.dataset.empty() && !evaluated.report.has_places())
+    train = read_dataset(flags.truth.dataset).train;
   if (sources.query) require_frames(*sources.query, scope.query.recorded_frames(), "the query");
   if (!flags.train.empty()) train.clear();
   for (const std::string& text : flags.train) train.push_back({"", parse_sequence_argument(text)});
@@ -222,7 +234,8 @@ void draw_plots(const EvalRun& run, const Evaluated& evaluated, const fs::path& 
 template <decltype(place_questions_page)& page_of>
 std::string questions_text(const EvalRun& run, const Evaluated& evaluated) {
   const FrameSources sources = find_frames(run.flags, evaluated);
-  if (!has_all_frames(sources, true)) throw Error(ErrorKind::usage, "{}", kChanged);
+  if (!has_all_frames(sources, !evaluated.report.has_places()))
+    throw Error(ErrorKind::usage, "{}", kChanged);
   return page_of(evaluated.evaluation, evaluated.report, sources, run.session.monitor);
 }
 
@@ -281,8 +294,7 @@ std::string trajectory_text(const EvalRun& run, const Evaluated& evaluated) {
     throw Error(ErrorKind::usage,
                 "--save-trajectory: no searched training sequence has \"poses\" (FAB-MAP: "
                 "\"place_poses\") in the data set, or poses of --ground-truth-train");
-  return recognized_trajectory(evaluation, positions,
-                               times_of(evaluation, options, run.frames_per_second, monitor));
+  return recognized_trajectory(evaluation, positions, times_of(run, evaluated, options));
 }
 
 constexpr EvalOutput kOutputs[] = {
@@ -381,6 +393,22 @@ std::vector<GivenOutput> given_outputs(const EvalFlags& flags) {
   return given;
 }
 
+std::optional<double> constant_rate(const EvalFlags& flags, const Evaluated& evaluated) {
+  if (flags.truth.dataset.empty()) return std::nullopt;
+  const double rate = read_dataset(flags.truth.dataset).frames_per_second;
+  if (!(rate > 0)) return std::nullopt;
+  try {
+    const SequenceArgument query = query_argument(flags, evaluated.evaluation.query().name).value();
+    if (fs::exists(query.path) && states_times(open_sequence(query))) return std::nullopt;
+    const Sequence& evaluated_query = evaluated.evaluation.query();
+    if (!evaluated_query.selection.speed.empty() && evaluated_query.selection.selected_fps > 0)
+      return evaluated_query.fps;
+    return rate / static_cast<double>(query.range.step);
+  } catch (const Error&) {
+    return std::nullopt;  // the query of a result is possibly of another data set
+  }
+}
+
 void claim_outputs(const Session& session, const std::vector<GivenOutput>& given) {
   session.claim_output();
   for (const auto& [output, path, text] : given)
@@ -420,8 +448,11 @@ PairList pair_list(const Session& session, const EvalFlags& flags, const ScoreMa
           : best_pairs(*matrix, layout, flags.top_k.value_or(result ? 1 : kDefaultPairs),
                        session.monitor);
   const size_t sequences = layout.scope.sequences.size();
-  const std::vector<std::string> query = query_names(flags);
-  std::vector<std::vector<std::string>> train = train_names(flags);
+  std::vector<std::string> searched;
+  for (const auto& one : layout.scope.sequences) searched.push_back(one.sequence.name);
+  if (result == nullptr) searched.clear();
+  const std::vector<std::string> query = query_names(flags, layout.scope.query.name);
+  std::vector<std::vector<std::string>> train = train_names(flags, searched);
   if (sequences == 1 && train.size() > 1) train = {joined(train)};  // the columns of scores
   if (sequences > 1 && train.size() < sequences)
     throw Error(ErrorKind::usage,

@@ -11,19 +11,20 @@
 namespace vpr {
 namespace {
 
-// The data set's query of this name, or the sequence that --query names.
-std::optional<SequenceArgument> query_argument(const std::string& dataset,
-                                               const std::optional<std::string>& query) {
-  if (!dataset.empty()) return select_query(read_dataset(dataset), query).sequence.sequence;
-  return query ? std::optional(parse_sequence_argument(*query)) : std::nullopt;
-}
-
-std::vector<SequenceArgument> train_arguments(const EvalFlags& flags) {
+// The training sequences of --train, or those of the data set: with these names, or all.
+std::vector<SequenceArgument> train_arguments(const EvalFlags& flags,
+                                              const std::vector<std::string>& searched = {}) {
   std::vector<SequenceArgument> arguments;
   for (const std::string& text : flags.train) arguments.push_back(parse_sequence_argument(text));
-  if (arguments.empty() && !flags.truth.dataset.empty())
-    for (const NamedSequence& sequence : read_dataset(flags.truth.dataset).train)
-      arguments.push_back(sequence.sequence);
+  if (!arguments.empty() || flags.truth.dataset.empty()) return arguments;
+  const std::vector<NamedSequence> train = read_dataset(flags.truth.dataset).train;
+  if (searched.empty())
+    for (const NamedSequence& sequence : train) arguments.push_back(sequence.sequence);
+  for (const std::string& name : searched) {
+    const auto found = std::ranges::find(train, name, &NamedSequence::name);
+    if (found == train.end()) return {};  // of another data set, or FAB-MAP's places
+    arguments.push_back(found->sequence);
+  }
   return arguments;
 }
 
@@ -37,7 +38,7 @@ std::optional<size_t> known_frames(const SequenceArgument& argument) {
 
 // The number of query frames; unset if it is unknown.
 std::optional<size_t> query_frames(const EvalFlags& flags) {
-  const auto query = query_argument(flags.truth.dataset, flags.query);
+  const auto query = query_argument(flags, flags.query);
   return query && flags.scores.speed.empty() ? known_frames(*query) : std::nullopt;
 }
 
@@ -63,12 +64,11 @@ size_t train_columns(const EvalFlags& flags) {
 
 // Readers of frame names, for ground truths that need them.
 void add_names(EvaluationSettings& by, const EvalFlags& flags,
-               const std::optional<std::string>& query_name) {
-  const std::string& dataset = flags.truth.dataset;
-  const auto& query = dataset.empty() ? flags.query : query_name;
-  if (!dataset.empty() || query)
-    by.query_names = [dataset, query] { return frame_names(*query_argument(dataset, query)); };
-  const std::vector<SequenceArgument> train = train_arguments(flags);
+               const std::optional<std::string>& query_name,
+               const std::vector<std::string>& searched) {
+  if (!flags.truth.dataset.empty() || flags.query)
+    by.query_names = [flags, query_name] { return query_names(flags, query_name); };
+  const std::vector<SequenceArgument> train = train_arguments(flags, searched);
   if (!flags.scores.source().empty() && train.size() > 1)
     by.train_names.emplace_back([flags] { return joined(train_names(flags)); });
   else
@@ -76,8 +76,10 @@ void add_names(EvaluationSettings& by, const EvalFlags& flags,
 }
 
 EvaluationSettings evaluation_settings(const EvalFlags& flags, const EvalRow& row,
-                                       const std::optional<std::string>& query_name,
-                                       DatabaseFamily family) {
+                                       const StoredResult* stored) {
+  const bool has_places = stored != nullptr && stored->result.places;
+  const auto query_name =
+      stored != nullptr ? std::optional(stored->result.query.name) : flags.query;
   EvaluationSettings by = flags.by;
   if (!flags.truth.path.empty())
     by.ground_truth = ground_truth_argument(flags.truth.path, flags.truth.flags);
@@ -91,7 +93,9 @@ EvaluationSettings evaluation_settings(const EvalFlags& flags, const EvalRow& ro
     const Dataset dataset = read_dataset(flags.truth.dataset);
     const DatasetQuery& query = select_query(dataset, query_name);
     if (!by.ground_truth && by.places.empty())
-      by.ground_truth = ground_truth_of(query, family, flags.truth.flags);
+      by.ground_truth =
+          ground_truth_of(query, has_places ? DatabaseFamily::fabmap : DatabaseFamily::sequences,
+                          flags.truth.flags);
     if (by.poses.empty() && !row.result.empty()) by.poses = query.sequence.poses.string();
   }
   const GroundTruthFlags& truth = flags.truth.flags;
@@ -105,7 +109,11 @@ EvaluationSettings evaluation_settings(const EvalFlags& flags, const EvalRow& ro
               "aligned"
             : fmt::format("{}: the query has no ground truth. Add it there, or with --ground-truth",
                           flags.truth.dataset));
-  if (family == DatabaseFamily::sequences) add_names(by, flags, query_name);
+  std::vector<std::string> searched;
+  if (stored != nullptr)
+    for (const ComparedSequence& one : stored->result.sequences)
+      searched.push_back(one.sequence.name);
+  if (!has_places) add_names(by, flags, query_name, searched);
   return by;
 }
 
@@ -120,7 +128,7 @@ void compare_arrays(EvalFlags& flags) {
   if (flags.query) query = parse_sequence_argument(*flags.query);
   const bool is_named =
       !dataset.empty() && (!query || !std::filesystem::exists(query->path, error));
-  if (is_named) query = query_argument(dataset, flags.query);
+  if (is_named) query = query_argument(flags, flags.query);
   const std::vector<SequenceArgument> train = train_arguments(flags);
   if (!query || train.empty())
     throw Error(
@@ -227,7 +235,7 @@ ScoreSettings score_settings(const EvalFlags& flags, const EvalRow& row, const S
 void warn_of_order(const Session& session, const EvalFlags& flags, const ScoreMatrix& matrix) {
   if (matrix.has_names || session.options.process.order != FrameOrder::automatic) return;
   std::vector<SequenceArgument> sides = train_arguments(flags);
-  if (const auto query = query_argument(flags.truth.dataset, flags.query)) sides.push_back(*query);
+  if (const auto query = query_argument(flags, flags.query)) sides.push_back(*query);
   const GroundTruthOptions& truth = flags.truth.flags.options;
   for (const auto& images : {truth.query.images, truth.train.images})
     if (!images.empty()) sides.push_back(parse_sequence_argument(images.string()));
@@ -244,14 +252,28 @@ void warn_of_order(const Session& session, const EvalFlags& flags, const ScoreMa
 
 }  // namespace
 
-std::vector<std::string> query_names(const EvalFlags& flags) {
-  const auto query = query_argument(flags.truth.dataset, flags.query);
-  return query ? frame_names(*query) : std::vector<std::string>{};
+std::optional<SequenceArgument> query_argument(const EvalFlags& flags,
+                                               const std::optional<std::string>& name) {
+  if (flags.truth.dataset.empty())
+    return flags.query ? std::optional(parse_sequence_argument(*flags.query)) : std::nullopt;
+  const Dataset dataset = read_dataset(flags.truth.dataset);
+  const bool is_named =
+      name && std::ranges::any_of(dataset.queries, [&](const DatasetQuery& query) {
+        return query.sequence.name == *name;
+      });
+  return select_query(dataset, is_named ? name : flags.query).sequence.sequence;
 }
 
-std::vector<std::vector<std::string>> train_names(const EvalFlags& flags) {
+std::vector<std::string> query_names(const EvalFlags& flags,
+                                     const std::optional<std::string>& query) {
+  const auto argument = query_argument(flags, query);
+  return argument ? frame_names(*argument) : std::vector<std::string>{};
+}
+
+std::vector<std::vector<std::string>> train_names(const EvalFlags& flags,
+                                                  const std::vector<std::string>& searched) {
   std::vector<std::vector<std::string>> names;
-  for (const SequenceArgument& argument : train_arguments(flags))
+  for (const SequenceArgument& argument : train_arguments(flags, searched))
     names.push_back(frame_names(argument));
   return names;
 }
@@ -279,12 +301,9 @@ OpenedScores open_inputs(const Session& session, const EvalFlags& flags, const E
 
 Evaluated evaluate(Session& session, const EvalFlags& flags, const EvalRow& row) {
   auto [stored, matrix] = open_inputs(session, flags, row);
-  const bool has_places = stored && stored->result.places;
   Evaluated evaluated;
   Evaluation& evaluation = evaluated.evaluation;
-  evaluated.by = evaluation_settings(
-      flags, row, stored ? std::optional(stored->result.query.name) : flags.query,
-      has_places ? DatabaseFamily::fabmap : DatabaseFamily::sequences);
+  evaluated.by = evaluation_settings(flags, row, stored.get());
   if (stored) {
     evaluated.stored = stored;
     evaluation = evaluate_stored(stored, std::move(matrix), evaluated.by, session.monitor);

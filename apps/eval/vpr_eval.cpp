@@ -42,12 +42,6 @@ std::vector<EvalRow> eval_rows(const EvalFlags& flags) {
   return rows;
 }
 
-std::optional<double> dataset_fps(const EvalFlags& flags) {
-  if (flags.truth.dataset.empty()) return std::nullopt;
-  const double rate = read_dataset(flags.truth.dataset).frames_per_second;
-  return rate > 0 ? std::optional(rate) : std::nullopt;
-}
-
 RunInfo run_of(const Evaluated& evaluated, const EvalFlags& flags, const EvalRow& row,
                RunInfo run) {
   const auto& truth = evaluated.by.ground_truth;
@@ -186,8 +180,8 @@ void run_one(Session& session, const EvalFlags& flags, const EvalRow& row) {
   const Stopwatch watch;
   const Evaluated evaluated = evaluate(session, flags, row);
   const Evaluation& evaluation = evaluated.evaluation;
-  EvalRun run{session, flags, dataset_fps(flags), {}, {}};
-  run.summary = summary_sentence(evaluation, run.frames_per_second);
+  EvalRun run{session, flags, constant_rate(flags, evaluated), {}, {}};
+  run.summary = summary_sentence(evaluation, run.recorded_fps);
   const Json report =
       report_json(evaluated.report, run_of(evaluated, flags, row, session.run), watch.elapsed_s());
   run.checked = check_expected(session, flags, expected, report);

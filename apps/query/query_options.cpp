@@ -143,7 +143,7 @@ void add_loop_flags(const Command& command, QueryOptions& options, AllSettings& 
                      kEssentialGroup, "FILE");
   command.add_option("--frame-times", options.frame_times,
                      "times of the frames for a gap in seconds: a list with one per line (default: "
-                     "from names of images, or from the video)",
+                     "from the video, names of images, or the rate of the data set)",
                      kQueryGroup, "FILE");
   add_sequence_flags(command, options, settings.sequence, QueryCommand::loops);
   add_matrix_output(command, options);

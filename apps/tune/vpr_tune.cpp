@@ -48,8 +48,9 @@ Trial fabmap_trial(const Try& command, const Session& session) {
 std::string result_text(const Try& command, const CommonOptions& common, const Trials& trials,
                         const std::string& advice) {
   const auto& [options, settings, max_incorrect] = command;
-  std::string text = render_table(trials_table(trials, common.verbose), options.format) +
-                     choice_text(trials, advice);
+  std::string text = render_table(trials_table(trials, common.verbose), options.format);
+  if (options.format != TableFormat::text) return text;  // of other programs
+  text += choice_text(trials, advice);
   if (trials.chosen)
     text += query_command(options, common, trials.all[*trials.chosen].settings) + "\n";
   if (!common.verbose) return text;

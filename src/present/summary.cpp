@@ -12,7 +12,8 @@ namespace {
 
 // " The first is confirmed at frame 49 (2.4 s), for frame 29 on." After incorrect ones: " The first
 // correct one ..."
-std::string first_of(const Judgment& judgment, std::optional<double> frames_per_second) {
+std::string first_of(const Judgment& judgment, const Sequence& query,
+                     std::optional<double> recorded_fps) {
   if (!judgment.localization.first_recognition_frames) return "";
   const size_t confirmed = *judgment.localization.first_recognition_frames;
   const auto first = static_cast<size_t>(std::ranges::find(judgment.verdicts, Verdict::correct) -
@@ -20,10 +21,10 @@ std::string first_of(const Judgment& judgment, std::optional<double> frames_per_
   const auto recognized =
       std::ranges::find_if(judgment.verdicts, [](Verdict one) { return one != Verdict::none; });
   const char* which = *recognized == Verdict::correct ? "The first" : "The first correct one";
+  const size_t recorded =
+      query.selection.speed.empty() ? query.selection.source_of(confirmed) : confirmed;
   const std::string time =
-      frames_per_second
-          ? fmt::format(" ({:.1f} s)", static_cast<double>(confirmed) / *frames_per_second)
-          : "";
+      recorded_fps ? fmt::format(" ({:.1f} s)", static_cast<double>(recorded) / *recorded_fps) : "";
   if (first == confirmed) return fmt::format(" {} is confirmed at frame {}{}.", which, first, time);
   return fmt::format(" {} is confirmed at frame {}{}, for frame {} on.", which, confirmed, time,
                      first);
@@ -169,12 +170,9 @@ std::string frame_counts_text(const FrameCounts& counts, bool has_places) {
       incorrect_pairs_text(counts, has_places, false));
 }
 
-std::string summary_sentence(const Evaluation& evaluation,
-                             std::optional<double> frames_per_second) {
+std::string summary_sentence(const Evaluation& evaluation, std::optional<double> recorded_fps) {
   const Judgment& judgment = evaluation.judgment;
   const Localization& path = judgment.localization;
-  const Sequence& query = evaluation.query();
-  if (query.selection.selected_fps > 0) frames_per_second = query.fps;
   if (judgment.by == JudgedBy::nothing)
     return fmt::format("{} of {} recognized ({} %). Nothing is judged without a ground truth.",
                        path.recognized == 0 ? "None" : std::to_string(path.recognized),
@@ -186,7 +184,7 @@ std::string summary_sentence(const Evaluation& evaluation,
   if (!evaluation.result && !judgment.threshold) return best_match + "." + end;
   if (judgment.is_oracle) return best_match + oracle_words(judgment) + "." + end;
   return (judgment.threshold ? best_match + ". " : "") + recognized_words(evaluation) + "." +
-         first_of(judgment, frames_per_second) + end;
+         first_of(judgment, evaluation.query(), recorded_fps) + end;
 }
 
 std::string off_map_words(std::span<const Report> reports) {

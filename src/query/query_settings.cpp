@@ -65,7 +65,6 @@ Json in_force(const SequenceQuerySettings& settings) {
   const SequenceKeys keys = keys_of(settings);
   Json json = value_to_json(keys);
   for (const std::string_view key : foreign_keys(settings.rule)) json.erase(std::string(key));
-  if (keys.witness == Witness::none) json.erase("witness");
   if (keys.loop_gap == 0) json.erase("loop_gap");
   if (keys.loop_gap != 0 || !keys.loop) json.erase("loop_gap_s");
   if (!keys.loop) json.erase("descriptor");

@@ -14,6 +14,7 @@ const ScoreLayout::Columns* ScoreLayout::columns_of(uint32_t sequence) const {
 GroundTruthScope scope_of(const Result& result) {
   GroundTruthScope scope;
   scope.query = result.query;
+  if (result.places) scope.places = result.places->names;
   scope.has_places = result.places && result.places->names.size() != result.places->views;
   for (const ComparedSequence& compared : result.sequences)
     scope.sequences.push_back({compared.sequence, compared.searched});

@@ -18,22 +18,17 @@ std::string fingerprint_of(const DescriptorSet& query) {
   return checksum(std::as_bytes(query.rows().bytes));
 }
 
-// Integer seconds in steps of one are possibly numbers of frames.
-bool may_be_numbers(const std::vector<int64_t>& times) {
-  for (size_t f = 1; f < times.size(); ++f)
-    if (times[f] - times[f - 1] != kSecond) return false;
-  return times.size() > 1 && times.front() % kSecond == 0;
-}
-
-// Times from the names of the frames, which were not made for this purpose: an error is one of
-// usage.
-std::vector<int64_t> times_of_names(const SequenceSource& source, const std::string& query,
-                                    const Monitor& monitor) {
+// Times from a video, the rate of the recording or the names of the frames, which were not made for
+// this purpose: an error is one of usage.
+std::vector<int64_t> own_times(const SequenceSource& source, const std::string& query,
+                               const Monitor& monitor) {
   try {
+    const std::optional<double> fps = source.argument.sequence.fps;
+    if (fps && !states_times(source)) return even_times(count_frames(source), *fps);
     if (source.is_one_array())
       throw Error(ErrorKind::data, "{}: the rows have no times", source.argument.path.string());
     const std::vector<int64_t> times = read_frame_times(query, {}, monitor);
-    if (may_be_numbers(times))
+    if (!states_times(source))
       warn(monitor,
            "{}: the names of its frames, {} to {}, are interpreted as seconds; if they count "
            "frames, use --frame-times, or a gap in frames",
@@ -78,7 +73,7 @@ QueryData describe_loop(const QueryInputs& inputs, const SequenceQuerySettings& 
   const bool needs_times = std::holds_alternative<double>(settings.past->gap);
   const SequenceSource source = open_sequence(inputs.query.sequence);
   if (needs_times)
-    data.times_ns = times.empty() ? times_of_names(source, path, monitor)
+    data.times_ns = times.empty() ? own_times(source, path, monitor)
                                   : read_frame_times(times, name_reader(source.argument), monitor);
   data.query = describe_own(source, settings, monitor);
   const size_t frames = data.query.rows().size();

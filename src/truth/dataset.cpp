@@ -164,6 +164,10 @@ Dataset read_dataset(const fs::path& path) {
   check_names(dataset.places, where + ", places", &DatasetPlace::name);
   check_names(dataset.queries, where + ", queries",
               [](const DatasetQuery& query) -> const std::string& { return query.sequence.name; });
+  for (DatasetQuery& query : dataset.queries)
+    if (query.place_ground_truth)
+      for (const DatasetPlace& place : dataset.places)
+        query.place_ground_truth->places.push_back(place.name);
   return dataset;
 }
 

@@ -102,6 +102,8 @@ struct GroundTruthArgument {
   GroundTruthOptions options = {};
   /// The pairs of the format "pairs" in memory instead of a file, which `path` names in messages.
   std::shared_ptr<const std::vector<PlacePair>> pairs = {};
+  /// The names of FAB-MAP's places, which the ground truth counts in this order; empty: unknown.
+  std::vector<std::string> places = {};
 };
 
 /// A query of a data set and its ground truths.

@@ -105,38 +105,6 @@ std::string text_of(const SequenceArgument& argument) {
   return argument.path.string() + range_text(argument.range);
 }
 
-// For sequences other than videos.
-size_t count_frames(const SequenceSource& sequence) {
-  if (!sequence.is_one_array()) return sequence.files.size();
-  SequenceArgument argument = sequence.argument;
-  const auto array =
-      argument.array ? argument.array : std::make_shared<const NpyArray>(argument.path);
-  argument.range.last = argument.range.last.value_or(array->shape().at(0));
-  return frame_count(argument.range).value_or(0);
-}
-
-// Whether a video or the names of frames have times.
-bool states_times(const SequenceSource& sequence) {
-  return sequence.kind == SequenceKind::video ||
-         (!sequence.is_one_array() && is_named_by_time(sequence.files.front()));
-}
-
-// The times of the frames of a sequence, or nullopt if unknown.
-std::optional<std::vector<int64_t>> find_times(const SequenceSource& sequence,
-                                               const std::filesystem::path& file,
-                                               std::optional<double> recorded_fps,
-                                               const Monitor& monitor) {
-  if (!file.empty()) return read_frame_times(file, name_reader(sequence.argument), monitor);
-  const SequenceArgument& argument = sequence.argument;
-  if (sequence.kind == SequenceKind::video) return read_video_times(argument, monitor);
-  if (states_times(sequence)) return times_of_names(sequence);
-  if (!recorded_fps) return std::nullopt;
-  std::vector<int64_t> times;
-  for (size_t i = 0; i < count_frames(sequence); ++i)
-    times.push_back(even_time(i, *recorded_fps / static_cast<double>(argument.range.step)));
-  return times;
-}
-
 // For a video, the rate that it states: its frames are not read.
 std::optional<double> stated_rate(const SequenceSource& sequence, const std::filesystem::path& file,
                                   std::optional<double> recorded_fps, const Monitor& monitor) {
@@ -231,6 +199,39 @@ bool is_named_by_time(const std::filesystem::path& file) {
   if (!is_number(std::string_view(name).substr(0, point))) return false;
   return point < name.size() ? is_number(std::string_view(name).substr(point + 1))
                              : name.size() >= kDigitsOfClock && !name.starts_with('0');
+}
+
+bool states_times(const SequenceSource& sequence) {
+  return sequence.kind == SequenceKind::video ||
+         (!sequence.is_one_array() && is_named_by_time(sequence.files.front()));
+}
+
+size_t count_frames(const SequenceSource& sequence) {
+  if (!sequence.is_one_array()) return sequence.files.size();
+  SequenceArgument argument = sequence.argument;
+  const auto array =
+      argument.array ? argument.array : std::make_shared<const NpyArray>(argument.path);
+  argument.range.last = argument.range.last.value_or(array->shape().at(0));
+  return frame_count(argument.range).value_or(0);
+}
+
+std::vector<int64_t> even_times(size_t frames, double fps) {
+  std::vector<int64_t> times;
+  for (size_t i = 0; i < frames; ++i) times.push_back(even_time(i, fps));
+  return times;
+}
+
+std::optional<std::vector<int64_t>> find_times(const SequenceSource& sequence,
+                                               const std::filesystem::path& file,
+                                               std::optional<double> recorded_fps,
+                                               const Monitor& monitor) {
+  if (!file.empty()) return read_frame_times(file, name_reader(sequence.argument), monitor);
+  const SequenceArgument& argument = sequence.argument;
+  if (sequence.kind == SequenceKind::video) return read_video_times(argument, monitor);
+  if (states_times(sequence)) return times_of_names(sequence);
+  if (!recorded_fps) return std::nullopt;
+  return even_times(count_frames(sequence),
+                    *recorded_fps / static_cast<double>(argument.range.step));
 }
 
 void check_rates(const SelectionSettings& settings) {

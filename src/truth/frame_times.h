@@ -39,6 +39,22 @@ std::vector<int64_t> read_frame_times(const std::filesystem::path& path, const N
 /// at least ten digits.
 bool is_named_by_time(const std::filesystem::path& file);
 
+/// Whether a video or the names of images have times of their own.
+bool states_times(const SequenceSource& sequence);
+
+/// The number of frames of a sequence other than a video.
+size_t count_frames(const SequenceSource& sequence);
+
+/// Times in nanoseconds of frames at a constant rate, from 0 on.
+std::vector<int64_t> even_times(size_t frames, double fps);
+
+/// The times of the frames of a sequence: from `file`, if not empty (read_frame_times), from the
+/// sequence (states_times), or at the constant rate of the whole recording; nullopt if unknown.
+std::optional<std::vector<int64_t>> find_times(const SequenceSource& sequence,
+                                               const std::filesystem::path& file,
+                                               std::optional<double> recorded_fps,
+                                               const Monitor& monitor);
+
 /// The selection of frames of a sequence, by the names of flags.
 struct SelectionSettings {
   std::string speed;                   ///< simulated speed; empty: as recorded

@@ -34,6 +34,22 @@ uint64_t covered_frames(std::vector<LabelStretch>& runs) {
   return covered;
 }
 
+// Throws Error(data) if FAB-MAP's places are not those that the ground truth counts.
+void require_places(const GroundTruthArgument& argument, const GroundTruthScope& scope) {
+  const auto counted_place = std::ranges::mismatch(argument.places, scope.places).in1;
+  if (scope.places.empty() || counted_place == argument.places.end()) return;
+  const auto names = [](std::span<const std::string> places) {
+    constexpr size_t kNamed = 4;
+    return fmt::format("{}{}",
+                       fmt::join(places.first(std::min<size_t>(kNamed, places.size())), ", "),
+                       places.size() > kNamed ? ", ..." : "");
+  };
+  throw Error(ErrorKind::data,
+              "{}: counts the places {} of the data set, but the database has {}. Train it with "
+              "the places of the data set, in their order",
+              argument.path.string(), names(argument.places), names(scope.places));
+}
+
 InspectedGroundTruth read_recorded(GroundTruthArgument argument, const GroundTruthScope& scope,
                                    InconsistentPairs inconsistent, const Monitor& monitor) {
   if (argument.tolerance_frames < 0)
@@ -41,6 +57,7 @@ InspectedGroundTruth read_recorded(GroundTruthArgument argument, const GroundTru
                 argument.tolerance_frames);
   const GroundTruthPreset* preset = find_preset(argument.format);
   if (preset != nullptr) argument = preset_argument(*preset, argument, scope);
+  require_places(argument, scope);
   if (argument.tolerance_frames != 0 && scope.has_places)
     throw Error(
         ErrorKind::usage,

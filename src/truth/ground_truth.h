@@ -50,7 +50,8 @@ struct GroundTruthScope {
   Sequence query;
   std::vector<TrainSequence> sequences;
   NameReader query_names = {};
-  bool has_places = false;  ///< of FAB-MAP, without order, instead of training frames
+  bool has_places = false;               ///< of FAB-MAP, without order, instead of training frames
+  std::vector<std::string> places = {};  ///< names of FAB-MAP's places
 };
 
 /// A pair that a person labeled. Frames are those of the recordings, counted in the file's range.
