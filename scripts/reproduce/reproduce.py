@@ -233,7 +233,7 @@ def minutes(seconds):
 
 def context_of(results):
     """The programs, machine and data of a page."""
-    made = [made for result in results for made in as_list(result["provenance"])]
+    made = [made for result in results for made in findings.as_list(result["provenance"])]
     taken = minutes(sum(result["timing"]["elapsed_s"] for result in results))
     commits = ", ".join(sorted({one["commit"] for one in made}))
     sizes = f" {QUICK_REASON}" if any(result["quick"] for result in results) else ""
@@ -241,10 +241,6 @@ def context_of(results):
     data = "; ".join(sorted(used)) or "Rendered stand-ins and generated codes"
     return (f"{data}, commit {commits}. All programs together took {taken} on "
             f"{len(os.sched_getaffinity(0))} cores.{sizes}")
-
-
-def as_list(value):
-    return value if isinstance(value, list) else [value]
 
 
 def main():

@@ -222,11 +222,6 @@ GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const
   return read_ground_truth(*by.ground_truth, scope, monitor);
 }
 
-bool is_loop(const Result& result) {
-  if (const auto* fabmap = std::get_if<FabmapQuerySettings>(&result.settings)) return fabmap->loop;
-  return std::get<SequenceQuerySettings>(result.settings).past.has_value();
-}
-
 // The number of frames before `frame` that a loop query searches; all of them for a gap in seconds.
 uint64_t searched_before(const Result& result, uint64_t frame) {
   if (const auto* fabmap = std::get_if<FabmapQuerySettings>(&result.settings))
@@ -239,7 +234,7 @@ uint64_t searched_before(const Result& result, uint64_t frame) {
 // In a loop query, frames within the gap and later ones are not searched: their pairs with the
 // query, which is the last training sequence, are ignored.
 void ignore_unsearched(GroundTruth& truth, const Result& result) {
-  if (!is_loop(result) || !truth.is_known) return;
+  if (!is_loop(result.settings) || !truth.is_known) return;
   for (size_t query = 0; query < truth.pairs.size(); ++query) {
     const auto searched = static_cast<int64_t>(searched_before(result, query));
     // A searched frame may be the same place by a pair that is the tolerance farther.

@@ -49,7 +49,10 @@ void rank_correct_ones(QueryOutcome& query, ScanPart& part, std::span<const uint
 void judge_row(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> keys,
                const ScoreLayout& layout) {
   const auto& labels = part.labels;
-  if (std::ranges::all_of(keys, [](uint64_t key) { return key == kNoScore; })) return;
+  if (std::ranges::all_of(keys, [](uint64_t key) { return key == kNoScore; })) {
+    ++part.unscored;
+    return;
+  }
   ScoredColumn best;
   ScoredColumn correct;
   std::optional<size_t> worst;
@@ -73,11 +76,7 @@ void judge_row(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> ke
   }
   query.key = best.key;
   rank_correct_ones(query, part, keys);
-  if (best.key == kNoScore) {
-    const auto is_missing = [](uint64_t key) { return key == kNoScore; };
-    part.unscored += std::ranges::all_of(keys, is_missing) ? 1 : 0;  // not only ignored ones
-    return;
-  }
+  if (best.key == kNoScore) return;  // only ignored ones have scores
   if (std::ranges::find(keys, kNoScore) != keys.end())
     part.known_ranks = std::min(part.known_ranks, ranked);
   part.pairs.worst_correct += labels[*worst] == PlaceLabel::same ? 1 : 0;

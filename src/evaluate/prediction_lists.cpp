@@ -15,6 +15,7 @@
 #include "base/checksum.h"
 #include "base/error.h"
 #include "base/npy.h"
+#include "base/output.h"
 #include "base/parallel.h"
 #include "base/rows.h"
 #include "base/text.h"
@@ -179,12 +180,8 @@ void read_query_file(std::vector<Prediction>& all, const fs::path& path) {
 
 std::vector<fs::path> text_files(const fs::path& folder) {
   std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error))
-    if (entry->path().extension() == ".txt") files.push_back(entry->path());
-  if (error)
-    throw Error(ErrorKind::input, "{}: cannot be read: {}", folder.string(), error.message());
+  for (const fs::directory_entry& entry : entries_of(folder, ErrorKind::input))
+    if (entry.path().extension() == ".txt") files.push_back(entry.path());
   if (files.empty())
     throw Error(ErrorKind::input, "{}: there is no .txt file of a query", folder.string());
   std::ranges::sort(files, natural_less,

@@ -24,7 +24,7 @@ class ScoreFile {
  public:
   ScoreFile() = default;
   /// Throws Error(input) if the file cannot be read, Error(data) if it is not a matrix of these
-  /// types, has no values, or may hold the indices or ranks of references.
+  /// types or has no values.
   ScoreFile(const std::filesystem::path& path, const ScoreFormat& format);
   /// Throws Error(data) likewise. `name`: of the array in messages.
   ScoreFile(std::shared_ptr<const NpyArray> array, const std::string& name,

@@ -25,7 +25,8 @@ SequenceDatabase open_live_database(const std::string& path, const SequenceQuery
 void warn_of_rates(const SequenceDatabase& database, std::optional<double> query_fps,
                    const SequenceQuerySettings& settings, const Monitor& monitor);
 
-/// Describes the frames of a query like frames of the database, and warns (warn_of_rates).
+/// Describes the frames of a query like frames of the database, and warns of rates (warn_of_rates),
+/// of other shapes of images, and if they are the frames of a training sequence.
 DescriptorSet describe_query(const SequenceArgument& query, const SequenceDatabase& database,
                              const SequenceQuerySettings& settings, const Monitor& monitor);
 

@@ -27,7 +27,7 @@ struct QueryData {
 /// Frames to match, before they are read.
 struct QueryInputs {
   NamedArgument query = {};
-  /// With what the settings need (prepare_database); null: the query is matched with its own past.
+  /// With what the settings need (open_database); null: the query is matched with its own past.
   std::shared_ptr<SequenceDatabase> database = {};
   /// A file with the times of a loop query with a gap in seconds; empty: the names of its frames.
   std::string frame_times = {};

@@ -336,6 +336,10 @@ def columns_of_scores():
     assert (folder / "columns.txt").read_text().splitlines()[390].split()[1].endswith("000040.png")
     refused(2, "windows of one sequence, but there are 2", *judge, "aligned", "--rows-are-windows-of", 3)
     refused(4, "the columns of the scores are one sequence", *judge, write("sides.csv", "query,sequence,reference\n0,walk@0:10,0\n"))
+    lost = np.eye(40) + 0.1
+    lost[[3, 9]] = np.nan
+    np.save(folder / "lost.npy", lost)
+    assert "2 of 40 queries have no score" in said("vpr-eval", "matrix", "lost.npy", "--similarity", "--ground-truth", "aligned")
     # Frames without a pose have scores.
     poses = write("three.csv", "frame,x,y\n" + "".join(f"{i},{i},0\n" for i in range(40) if i != 7))
     warned = said("vpr-eval", "matrix", "scores.npy", "--similarity", "--ground-truth", poses, "--ground-truth-train", poses,
