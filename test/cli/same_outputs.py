@@ -39,8 +39,8 @@ BUILDING = [
 
 
 def corridor():
-    yield f"vpr-train fastable --train {CORRIDOR}/ref --c-l 20 -o raw.vprdb"
-    yield f"vpr-train fastable --train {CORRIDOR}/ref --illumination-invariant -o color.vprdb"
+    yield f"vpr-train fastable --features none --train {CORRIDOR}/ref --c-l 20 -o raw.vprdb"
+    yield f"vpr-train fastable --features none --train {CORRIDOR}/ref --illumination-invariant -o color.vprdb"
     yield (f"vpr-query raw.vprdb --query {CORRIDOR}/query --method lsh --c-l 20 --t-r 200 --t-r-scale bits "
            "-o lsh.json")
     for method in "fastable", "fastable-online", "openable":
@@ -57,6 +57,12 @@ def corridor():
     yield f"vpr-query color.vprdb --query {CORRIDOR}/query --c-l 20 --t-r 0.65 -o color.json"
     yield f"vpr-query raw.vprdb --query {CORRIDOR}/query --speed 1.5 -o filter.json"
     yield f"vpr-query raw.vprdb --query {CORRIDOR}/query --score zscore --decide margin -o margin.json"
+
+
+def witness():
+    """With OpenCV's local features, which are other ones on other kinds of processors."""
+    yield f"vpr-train images --train {CORRIDOR}/ref -o images.vprdb"
+    yield f"vpr-query images.vprdb --query {CORRIDOR}/query -o images.json"
 
 
 def loop():
@@ -88,6 +94,7 @@ def features(kind):
 GROUPS = {
     "building": ([], BUILDING),
     "corridor": ([CORRIDOR], corridor()),
+    "witness": ([CORRIDOR], witness()),
     "loop": ([OPENFABMAP, LOOP], loop()),
 }
 for feature in "surf", "sift", "kaze", "akaze", "orb", "brisk":
