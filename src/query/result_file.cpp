@@ -335,7 +335,7 @@ QuerySettings read_query_settings(const Fields& file) {
     return places;
   }
   SequenceKeys keys;
-  keys.witness = Witness::none;  // which is not written
+  keys.witness = Witness::none;  // of files without it, which were written before it was
   file.read_settings("settings", keys);
   const std::string& method = keys.windows.windows.method;
   if (std::ranges::count(sequence_methods(), method, &SequenceMethod::name) == 0)
