@@ -40,8 +40,7 @@ std::string label_text(const std::string& step) {
   if (label.size() > kLabelWidth) {
     const std::string begin = first_word(step).substr(0, kLabelWidth / 2) + " ...";
     size_t from = label.size() - (kLabelWidth - begin.size());
-    while (from < label.size() && (label[from] & 0xc0) == 0x80)
-      ++from;  // keep UTF-8 characters whole
+    while (from < label.size() && !starts_letter(label[from])) ++from;
     label = begin + label.substr(from);
   }
   return fmt::format("{:<{}}", label, kLabelWidth);

@@ -6,7 +6,7 @@ declare -A allowed=(
   [base]=""
   [recordings]="base"
   [truth]="base recordings"
-  [synth]="base recordings"
+  [synth]="base"
   [database]="base recordings"
   [match]="base database"
   [query]="base recordings truth database match"
@@ -17,7 +17,7 @@ declare -A allowed=(
   [loops]="base truth query evaluate present"
   [bench]="base recordings database match query present fabmap reference"  # it checks answers before it times them
   [vpr]="base recordings truth database query evaluate present fabmap"
-  [python]="base evaluate present vpr"
+  [python]="base present vpr"
 )
 bad=0
 while IFS=: read -r file line text; do

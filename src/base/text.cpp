@@ -167,7 +167,7 @@ std::string wrapped_command(const std::vector<std::string>& words) {
 }
 
 size_t letter_start(std::string_view text, size_t at) {
-  while (at > 0 && (static_cast<uint8_t>(text[at]) & 0xc0) == 0x80) --at;
+  while (at > 0 && !starts_letter(text[at])) --at;
   return at;
 }
 

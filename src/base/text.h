@@ -62,6 +62,9 @@ std::string printable_line(std::string_view text);
 /// formed with s.
 std::string counted(uint64_t count, std::string_view noun, std::string_view plural = {});
 
+/// Whether a byte starts a letter of UTF-8.
+constexpr bool starts_letter(char byte) { return (byte & 0xc0) != 0x80; }
+
 /// The largest position up to `at` where a letter of UTF-8 starts; `at` is below the size.
 size_t letter_start(std::string_view text, size_t at);
 

@@ -197,15 +197,6 @@ bool Report::has_places() const {
   return of_query != nullptr && std::holds_alternative<FabmapQuerySettings>(*of_query);
 }
 
-std::string Report::selection_words() const {
-  std::string words;
-  if (selection.selected_fps > 0)
-    words = fmt::format("{} frames per second", selection.selected_fps);
-  if (selection.speed.empty()) return words;
-  return words + fmt::format("{}speed {}, seed {}", words.empty() ? "" : ", ", selection.speed,
-                             selection.seed);
-}
-
 Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor& monitor) {
   const Judgment& judgment = evaluation.judgment;
   const GroundTruth& truth = evaluation.truth;

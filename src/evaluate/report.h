@@ -129,8 +129,6 @@ struct Report {
   }
   /// Whether references are places of FAB-MAP instead of frames.
   bool has_places() const;
-  /// The selection of the query, as in "speed varying, seed 1"; empty for all frames.
-  std::string selection_words() const;
 };
 
 Report report_of(const Evaluation& evaluation, const RunInfo& run, const Monitor& monitor = {});

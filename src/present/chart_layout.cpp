@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "present/chart.h"
 
 namespace vpr {
@@ -147,20 +148,15 @@ double AxisScale::operator()(double value) const {
 }
 
 double text_width(const std::string& text, double size) {
-  const auto letters = std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xc0) != 0x80;  // starts one, in UTF-8
-  });
-  return 0.58 * size * static_cast<double>(letters);
+  return 0.58 * size * static_cast<double>(std::ranges::count_if(text, starts_letter));
 }
 
 std::string shortened(const std::string& text, double width) {
   if (text_width(text, kLetters) <= width) return text;
   const double letters = width / text_width("x", kLetters) - 1;
   size_t end = 0;
-  for (double kept = 0; end < text.size(); ++end) {
-    const bool starts_letter = (static_cast<unsigned char>(text[end]) & 0xc0) != 0x80;
-    if (starts_letter && ++kept > letters) break;
-  }
+  for (double kept = 0; end < text.size(); ++end)
+    if (starts_letter(text[end]) && ++kept > letters) break;
   return text.substr(0, end) + "…";
 }
 

@@ -137,7 +137,7 @@ ComparedReport compared_report(const ComparisonReport& comparison, size_t r) {
       {},
       report.provenance.ground_truth};
   if (report.query_settings() != nullptr) compared.pairs = report.counts.recognitions;
-  if (!report.selection_words().empty()) compared.selection = report.selection_words();
+  compared.selection = selection_text(report.selection);
   return compared;
 }
 

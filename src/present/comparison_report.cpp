@@ -23,7 +23,7 @@ std::string recording_protocol(const Report& report) {
   std::string protocol = report.protocol.ground_truth;
   const std::string selection = ", query " + selection_text(report.selection);
   const size_t at = protocol.rfind(selection);
-  if (!report.selection_words().empty() && at != std::string::npos)
+  if (report.selection.is_selected() && at != std::string::npos)
     protocol.erase(at, selection.size());
   return protocol;
 }
@@ -120,7 +120,7 @@ Table difference_table(const ComparisonReport& comparison) {
 GroundTruths compare_ground_truths(std::span<const Report> reports) {
   std::map<bool, std::string> of_kind;  // places or frames
   for (const Report& report : reports) {
-    if (report.selection_words() != reports.front().selection_words()) {
+    if (selection_text(report.selection) != selection_text(reports.front().selection)) {
       // Fingerprints of different selections always differ.
       if (recording_protocol(report) != recording_protocol(reports.front()))
         return GroundTruths::different;

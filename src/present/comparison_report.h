@@ -42,7 +42,7 @@ struct ComparisonReport {
   std::string frames() const;
   /// Whether the report has the same selection of the query as the first report.
   bool is_paired(size_t report) const {
-    return reports[report].selection_words() == reports.front().selection_words();
+    return selection_text(reports[report].selection) == selection_text(reports.front().selection);
   }
 };
 

@@ -157,7 +157,7 @@ std::string table_title(const SideBySide& methods, const std::vector<std::string
 
 std::string note_of(const Report& report, bool is_comparable, bool differ) {
   std::vector<std::string> notes;
-  if (!report.selection_words().empty()) notes.push_back(report.selection_words());
+  if (report.selection.is_selected()) notes.push_back(selection_text(report.selection));
   if (!is_comparable)
     notes.push_back(
         fmt::format("over {} of its own", counted(report.counts.best_match.frames, "frame")));

@@ -14,8 +14,7 @@ namespace {
 
 // Code points, for lack of the width of characters.
 size_t width(const std::string& text) {
-  return static_cast<size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
+  return static_cast<size_t>(std::ranges::count_if(text, starts_letter));
 }
 
 bool looks_numeric(const std::string& text) {

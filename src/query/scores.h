@@ -75,7 +75,6 @@ struct ScoreKind {
   std::string_view threshold_symbol = {};  ///< t_r, t_p
   ThresholdScale number_scale = {};        ///< default scale of a t_r that is a number
   ThresholdScale frame_scale = {};         ///< of frame_value; the default for loop queries
-  size_t longest_window = {};              ///< in frames: longer sums may exceed 32 bits
   int32_t missing = {};                    ///< the missing score in a saved matrix
   bool needs_statistics = {};              ///< a z-score, from statistics of the training frames
   int64_t (*offset)(size_t window_length) = nullptr;

@@ -206,10 +206,10 @@ ResultPointer query(Keywords& keywords, QueryCommand command, const DatabasePoin
   return made;
 }
 
-Live::Live(Keywords& keywords, DatabasePointer database, const Monitor& monitor)
-    : function_(keywords.function), database_(std::move(database)) {
+Live::Live(Keywords& keywords, const DatabasePointer& database, const Monitor& monitor)
+    : function_(keywords.function) {
   SequenceQuery by(keywords, QueryCommand::live, {});
-  by.prepare(database_, monitor);
+  by.prepare(database, monitor);
   sequences_ = by.inputs.database;
   lines_.emplace(*sequences_, "live", by.settings, by.resources, monitor);
 }

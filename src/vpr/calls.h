@@ -99,7 +99,7 @@ ResultPointer query(Keywords& keywords, QueryCommand command, const DatabasePoin
 class Live {
  public:
   /// Throws as query does, and as LiveLines.
-  Live(Keywords& keywords, DatabasePointer database, const Monitor& monitor);
+  Live(Keywords& keywords, const DatabasePointer& database, const Monitor& monitor);
 
   /// Whether frames are arrays of descriptors.
   bool has_arrays() const;
@@ -110,7 +110,6 @@ class Live {
 
  private:
   std::string function_;
-  DatabasePointer database_;
   std::shared_ptr<const SequenceDatabase> sequences_;
   std::optional<LiveLines> lines_;
   bool is_finished_ = false;

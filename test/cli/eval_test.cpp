@@ -414,7 +414,7 @@ TEST_CASE("a resampled query is compared with the query over its own frames") {
   const Json found = printed_json("vpr-eval compare plain.json slow.json --json");
   CHECK(found["ground_truths"] == "same");
   CHECK(found["reports"][1]["paired"] == false);
-  CHECK(found["reports"][1]["selection"] == "speed 0.5, seed 1");
+  CHECK(found["reports"][1]["selection"] == "at speed 0.5");
   CHECK(found["reports"][1]["frames"] == 2 * found["reports"][0]["frames"].get<int>());
   // Every frame is shown twice: the shares are equal.
   CHECK(found["metrics"][1]["value"] == found["metrics"][0]["value"]);

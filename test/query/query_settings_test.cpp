@@ -9,7 +9,9 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/random.h"
+#include "match/match.h"
 #include "match/score_kernels.h"
+#include "match/zscores.h"
 #include "query/choices.h"
 #include "query/result.h"
 #include "support.h"
@@ -49,13 +51,13 @@ TEST_CASE("a sum of frame scores is converted to a value per frame, without its 
 }
 
 TEST_CASE("sums of the longest windows fit, and none is below the value of a missing one") {
-  for (const Score score : {Score::raw, Score::zscore}) {
+  const auto check = [](Score score, size_t longest_window, uint64_t largest_frame_score) {
     const ScoreKind& kind = score_kind(score);
-    CHECK(-kind.offset(kind.longest_window) >= int64_t{kind.missing});
-    // A sum of the largest frame scores fits 32 bits.
-    const uint64_t most = kind.needs_statistics ? 65535 : 1386;
-    CHECK(most * kind.longest_window <= 0xFFFFFFFF);
-  }
+    CHECK(-kind.offset(longest_window) >= int64_t{kind.missing});
+    CHECK(largest_frame_score * longest_window <= 0xFFFFFFFF);
+  };
+  check(Score::raw, kMaxWindowLength, 1386);
+  check(Score::zscore, kMaxScoredWindow, 65535);
 }
 
 TEST_CASE("files hold the keys of the rule in force, and what it implies") {
