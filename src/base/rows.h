@@ -85,17 +85,13 @@ std::string_view first_line_of(std::string_view text);
 /// damaged quotes.
 std::vector<std::string> first_row(std::string text,
                                    std::string_view separators = kTableSeparators);
-/// Whether a header names all of these columns.
-bool has_columns(const std::vector<std::string>& header,
-                 const std::vector<std::string_view>& columns);
 
 /// The rows of a file of text. Cells may be in quotes (RFC 4180), with blanks around them. Skips a
 /// byte order mark, empty lines, lines that begin with #, and Excel's line sep=; before the first
 /// row. That is the header if it is needed, or if it names a needed column; a needed header may
 /// also be the last comment before numbers, as numpy.savetxt writes it, or before any row if it
 /// names a column for each cell. A header names columns in any order and case, with or without a
-/// unit
-/// ("time", "Stamp [ms]", "time_ms", "milliseconds").
+/// unit ("time", "Stamp [ms]", "time_ms", "milliseconds"; base/column_names.h).
 class Rows {
  public:
   /// `name`: the file in errors. Throws Error(input) if the file cannot be read; Error(data) for

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/checksum.h"
+#include "base/column_names.h"
 #include "base/converters.h"
 #include "base/error.h"
 #include "base/mapped_file.h"

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/column_names.h"
 #include "base/converters.h"
 #include "base/error.h"
 #include "base/mapped_file.h"

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/column_names.h"
 #include "base/named_table.h"
 #include "base/rows.h"
 #include "base/text.h"
