@@ -46,7 +46,7 @@ struct SavedMatrix {
 // Whether any cell of the matrix has no score.
 bool has_gaps(const QueryPlan& plan) {
   const auto is_unreadable = [](const DescribedFrames& span) { return !span.unreadable.empty(); };
-  return !plan.result.query.unreadable.empty() || !plan.past.empty() ||
+  return !plan.result.query.unreadable.empty() || !plan.result.past.empty() ||
          std::any_of(plan.train.begin(), plan.train.end(), is_unreadable);
 }
 

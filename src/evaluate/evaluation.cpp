@@ -222,23 +222,15 @@ GroundTruth truth_of(const EvaluationSettings& by, GroundTruthScope scope, const
   return read_ground_truth(*by.ground_truth, scope, monitor);
 }
 
-// The number of frames before `frame` that a loop query searches; all of them for a gap in seconds.
-uint64_t searched_before(const Result& result, uint64_t frame) {
-  if (const auto* fabmap = std::get_if<FabmapQuerySettings>(&result.settings))
-    return fabmap->searched_before(frame);
-  const auto& gap = std::get<SequenceQuerySettings>(result.settings).past->gap;
-  const auto* frames = std::get_if<uint64_t>(&gap);
-  return frames == nullptr ? frame : frame - std::min(*frames, frame + 1) + 1;
-}
-
 // In a loop query, frames within the gap and later ones are not searched: their pairs with the
 // query, which is the last training sequence, are ignored.
 void ignore_unsearched(GroundTruth& truth, const Result& result) {
   if (!is_loop(result.settings) || !truth.is_known) return;
+  const auto own = static_cast<int64_t>(first_own_place(result));
   for (size_t query = 0; query < truth.pairs.size(); ++query) {
-    const auto searched = static_cast<int64_t>(searched_before(result, query));
+    const int64_t searched = result.past[query];
     // A searched frame may be the same place by a pair that is the tolerance farther.
-    const int64_t last = searched == 0 ? -1 : searched - 1 + truth.tolerance_frames;
+    const int64_t last = searched - 1 + (searched == own ? 0 : truth.tolerance_frames);
     std::vector<GroundTruth::Pair> kept;
     for (GroundTruth::Pair pair : truth.pairs[query]) {
       const bool is_own = pair.sequence + 1 == result.sequences.size();

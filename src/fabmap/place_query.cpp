@@ -101,6 +101,9 @@ Result make_result(const FabmapDatabase& searched, const SequenceWords& query,
   ComparedSequence& compared = result.sequences.emplace_back();
   compared.sequence = {"places", places.names.size()};
   compared.windows = places.names.size();
+  for (size_t frame = 0; settings.loop && frame < result.query.frames; ++frame)
+    result.past.push_back(
+        static_cast<uint32_t>(first_own_place(result) + settings.searched_before(frame)));
   return result;
 }
 

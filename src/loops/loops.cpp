@@ -107,11 +107,6 @@ bool is_decided(const Result& result) {
          (decision_of(settings->rule) == Decision::margin || limit_of(settings->rule).has_value());
 }
 
-// The places of FAB-MAP are those of the database, if any, then the frames of the query.
-size_t first_own_place(const Result& result) {
-  return result.places ? result.sequences.front().sequence.frames - result.query.frames : 0;
-}
-
 PlaceLabel label_between(const Trajectory& trajectory, size_t a, size_t b,
                          const Nearness& nearness) {
   const auto label = label_of(*trajectory.poses[a], *trajectory.poses[b], nearness);

@@ -181,7 +181,8 @@ void add_queries(py::module_& module) {
       module, "Result",
       "Matches of a query, from query, loops or load. Its arrays are those of the result file\n"
       "(docs/reference/files.md), with columns as fields: recognitions, recognition_scores, best,\n"
-      "best_scores, margins, path, keyframes, new_place, source_frames, train_source_frames.\n"
+      "best_scores, margins, path, witness, keyframes, new_place, past, source_frames,\n"
+      "train_source_frames.\n"
       "Windows are identified by their first frame; -1 and NaN: no match.")
       .def_static("__new__", refuse_new)
       .def("save", save_result, py::call_guard<InCall>(), "path"_a, "force"_a = false,

@@ -212,7 +212,7 @@ QueryPlan plan_query(const PreparedDatabase& database, const DescriptorSet& quer
       begin_plan(database, query.span(), query.sequence, query_name, settings, resources);
   if (settings.past) {
     assert(query.sequence.selection.is_all());
-    plan.past = past_frames(loop_gap(*settings.past), times_ns, query.rows().size());
+    plan.result.past = past_frames(loop_gap(*settings.past), times_ns, query.rows().size());
   }
   plan_windows(plan, monitor);
   plan_sequences(plan, database.database->sequences, settings, monitor);

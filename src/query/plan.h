@@ -37,7 +37,6 @@ struct QueryPlan {
   Result result;  ///< without matches: frames, thresholds and margins, and the settings to record
   DescribedFrames query;
   std::vector<DescribedFrames> train;  ///< all sequences, also those that are not searched
-  std::vector<uint32_t> past;          ///< for a loop query (FrameDistances::past)
   ScoreStages scores;
   MatchSettings match;                            ///< the window stage, and its resources
   std::optional<ExclusionZones> exclusion_zones;  ///< nullopt: no margins

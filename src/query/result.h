@@ -95,6 +95,9 @@ struct Result {
   std::optional<ResultPath> path;            ///< of the filter
   std::optional<ResultKeyframes> keyframes;  ///< nullopt without a typical distance
   std::optional<ResultPlaces> places;        ///< of FAB-MAP
+  /// Of loops, by query frame: the number of frames (places) of the last sequence, from the first
+  /// on, that it was compared with.
+  std::vector<uint32_t> past;
 
   const ScoreKind& score() const { return score_of(settings); }
   size_t window_length() const { return window_length_of(settings); }
@@ -108,6 +111,12 @@ void cluster(Result& result, const Monitor& monitor = {});
 
 /// The anchor of a window: its last frame, where the user is.
 inline size_t anchor_of(size_t window, size_t window_length) { return window + window_length - 1; }
+
+/// The place of the first query frame in loops by FAB-MAP, after the places of the database, if
+/// any; 0 for windows.
+inline size_t first_own_place(const Result& result) {
+  return result.places ? result.sequences.front().sequence.frames - result.query.frames : 0;
+}
 
 /// Query windows with at least one recognition.
 size_t recognized_windows(const Result& result);

@@ -276,6 +276,20 @@ void read_new_place(Result& result, std::span<const double> values, const Refuse
   result.places->new_place.assign(values.begin(), values.end());
 }
 
+Rows past_rows(const Result& result) {
+  if (!is_loop(result.settings)) return std::nullopt;
+  return std::vector<int32_t>(result.past.begin(), result.past.end());
+}
+
+void read_past(Result& result, std::span<const int32_t> values, const Refuse& refuse) {
+  require_rows(values.size(), result.query.frames, refuse);
+  const auto first = static_cast<int64_t>(first_own_place(result));
+  for (int64_t frame = 0; frame < std::ssize(values); ++frame) {
+    if (values[frame] < first || values[frame] > first + frame) refuse("has a number out of range");
+    result.past.push_back(static_cast<uint32_t>(values[frame]));
+  }
+}
+
 template <class ResultOrConst>
 auto selected_sequences(ResultOrConst& result, bool is_query) {
   std::vector<decltype(&result.query)> found;
@@ -302,7 +316,7 @@ void read_selected(Result& result, std::span<const int32_t> values, const Refuse
 }
 
 /// In the order of files. A reader may use what precedes its array.
-const std::array<std::variant<Integers, Doubles>, 11> kArrays = {
+const std::array<std::variant<Integers, Doubles>, 12> kArrays = {
     Integers{"recognitions",
              {},
              [](const Result& r) { return match_rows(r, r.recognitions); },
@@ -321,6 +335,7 @@ const std::array<std::variant<Integers, Doubles>, 11> kArrays = {
     Doubles{"witness", {"margin", "contrast"}, witness_rows, read_witness},
     Integers{"keyframes", {"sequence", "frame"}, keyframe_rows, read_keyframes},
     Doubles{"new_place", {""}, new_place, read_new_place},
+    Integers{"past", {""}, past_rows, read_past},
     Integers{"source_frames", {""}, selected_frames<true>, read_selected<true>},
     Integers{"train_source_frames", {""}, selected_frames<false>, read_selected<false>}};
 
@@ -406,7 +421,7 @@ void read_arrays(const fs::path& path, const FileEntries& entries, const JsonSou
     const std::string name = array.name + std::string(".npy");
     const auto entry = entries.find(array.name);
     if (entry == entries.end()) {
-      if (array.values(result)) source.fail(fmt::format("it has no {}", name));
+      if (array.values(result)) source.fail(fmt::format("it has no {}; run vpr-query again", name));
       return;
     }
     const Refuse refuse = [&](std::string_view damage) {

@@ -48,7 +48,7 @@ FrameDistances searched_distances(const QueryPlan& plan) {
   std::erase_if(distances.train_runs, [&](const FrameStretch& run) {
     return !plan.result.sequences[run.sequence].searched;
   });
-  distances.past = plan.past;
+  distances.past = plan.result.past;
   return distances;
 }
 

@@ -102,8 +102,8 @@ std::vector<Cell> wrong_past_scores(std::span<const Cell> cells, const Described
 std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan) {
   const size_t length = plan.match.window_length;
   const bool has_scores = !plan.scores.rows.empty();
-  if (has_scores && !plan.past.empty())
-    return wrong_past_scores(cells, plan.query, plan.past, length);
+  if (has_scores && !plan.result.past.empty())
+    return wrong_past_scores(cells, plan.query, plan.result.past, length);
   const ScoreBasis* basis = has_scores ? plan.scores.basis.get() : nullptr;
   return wrong_sums(cells, length, plan.train, plan.query, basis, {});
 }
@@ -113,10 +113,10 @@ std::vector<Cell> find_wrong(std::span<const Cell> cells, const QueryPlan& plan)
 QueryRun run_verified(const QueryPlan& plan, size_t cells, const Monitor& monitor) {
   const size_t length = plan.match.window_length;
   std::vector<Cell> chosen = choose_cells(searched_distances(plan), length, cells, plan.match.seed);
-  if (plan.past.empty()) CHECK_FALSE(chosen.empty());
+  if (plan.result.past.empty()) CHECK_FALSE(chosen.empty());
   std::erase_if(chosen, [&](const Cell& cell) {
-    return !plan.past.empty() &&
-           cell.train_window + length > plan.past[cell.query_window + length - 1];
+    return !plan.result.past.empty() &&
+           cell.train_window + length > plan.result.past[cell.query_window + length - 1];
   });
   CellScan scan(std::move(chosen));
   QueryRun run = run_query(plan, {{std::ref(scan)}}, monitor);
