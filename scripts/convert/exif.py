@@ -6,9 +6,9 @@
 The CSV has one line per image in the order of the frames, with the columns image, lat, lon and,
 if images have them, heading and time (seconds since 1970). Use it with --ground-truth and
 --query-images photos, and with --query-times for the times. Fields are empty if an image has no
-position: no tags, 0 N 0 E, or a receiver without a fix. The time is the time of the GPS fix, which is
-UTC, or else of the camera's clock. A clock without a time zone is corrected by the images with
-both times; without such images, it is read as UTC.
+position: no tags, 0 N 0 E, or a receiver without a fix. The time is the time of the camera's clock in
+its time zone, or else of the GPS fix, which is UTC. A clock without a time zone is corrected by its
+median difference from the GPS times, rounded to 15 minutes; without GPS times, it is read as UTC.
 Needs python3-pil.
 """
 import csv
@@ -16,7 +16,6 @@ import datetime
 import io
 import math
 import re
-import statistics
 import sys
 
 import common
@@ -25,6 +24,9 @@ SUFFIXES = {".jpg", ".jpeg", ".jpe", ".jfif", ".png", ".bmp", ".dib", ".pgm", ".
             ".tiff", ".webp"}
 NUMBER = re.compile(r"(.*[^0-9.]|)([0-9]+(?:\.[0-9]+)?)")  # after a prefix
 GPS, CAMERA = 0x8825, 0x8769  # directories of tags
+DATE_TIME, OFFSET_TIME = 0x0132, 0x9010
+CLOCKS = ((0x9003, 0x9291, 0x9011), (0x9004, 0x9292, 0x9012),  # times original and digitized, with
+          (DATE_TIME, 0x9290, OFFSET_TIME))  # their fractions of a second and time zones
 
 
 def number(value):
@@ -33,6 +35,10 @@ def number(value):
         return float(value)
     except (TypeError, ValueError, ZeroDivisionError):
         return math.nan
+
+
+def text(tags, key):
+    return str(tags.get(key, "")).strip("\0 ")
 
 
 def degrees(parts):
@@ -47,7 +53,7 @@ def position(image, tags):
     if any(map(math.isnan, values)) or values == [0, 0] or tags.get(9) == "V":
         return None
     for at, (letters, largest) in enumerate((("NS", 90), ("EW", 180))):
-        letter = str(tags.get(2 * at + 1, "")).strip("\0 ")
+        letter = text(tags, 2 * at + 1)
         if len(letter) != 1 or letter not in letters:
             raise common.Refusal(common.DATA, f"{image}: its GPS position does not say whether it is "
                                               f"{letters[0]} or {letters[1]}")
@@ -61,7 +67,7 @@ def position(image, tags):
 def time_of_fix(tags):
     """Seconds since 1970, by the GPS, or None."""
     try:
-        day = datetime.datetime.strptime(str(tags.get(29, "")).strip("\0 ") + "+0000", "%Y:%m:%d%z")
+        day = datetime.datetime.strptime(text(tags, 29).replace("-", ":") + "+0000", "%Y:%m:%d%z")
     except ValueError:
         return None
     hours = degrees(tags.get(7))
@@ -70,31 +76,41 @@ def time_of_fix(tags):
 
 def time_taken(tags):
     """Seconds since 1970 and whether a time zone is known, by the camera's clock, or None."""
-    taken, fraction, zone = (str(tags.get(key, "")).strip("\0 ") for key in (0x9003, 0x9291, 0x9011))
-    try:
-        time = datetime.datetime.strptime(taken + (zone.replace(":", "") or "+0000"),
-                                          "%Y:%m:%d %H:%M:%S%z")
-    except ValueError:
-        return None
-    digits = float("0." + fraction) if fraction.isdigit() else 0
-    return time.timestamp() + digits, bool(zone)
+    for keys in CLOCKS:
+        taken, fraction, zone = (text(tags, key) for key in keys)
+        if text(tags, DATE_TIME) in ("", taken):  # an edited image can have another time and zone
+            zone = zone or text(tags, OFFSET_TIME)
+        zone = zone.replace(":", "").strip()  # blanks and a colon: unknown
+        try:
+            time = datetime.datetime.strptime(taken + (zone or "+0000"), "%Y:%m:%d %H:%M:%S%z")
+        except ValueError:
+            continue
+        digits = float("0." + fraction) if fraction.isdigit() else 0
+        return time.timestamp() + digits, bool(zone)
+    return None
 
 
 def known_times(fixes, clocks):
-    """The times of the images, and how far clocks without a time zone are ahead (None: unknown)."""
-    both = [clock[0] - fix for fix, clock in zip(fixes, clocks) if fix is not None and clock and not clock[1]]
-    ahead = statistics.median_low(both) if both else None
-    times = [fix if fix is not None else clock and clock[0] - (0 if clock[1] else ahead or 0)
-             for fix, clock in zip(fixes, clocks)]
+    """The times of the images, and how far clocks without a time zone are ahead (None: unknown).
+
+    Times of fixes are often integers and may be minutes old, so they only correct the clocks: by the latest
+    fix, or to a time zone, if there is one fix or the difference is one.
+    """
+    used = [(clock[0] - fix, fix) for fix, clock in zip(fixes, clocks) if fix is not None and clock and not clock[1]]
+    ahead = min(used)[0] if used else None
+    zone = 900 * round((ahead or 0) / 900)
+    if used and (len({fix for _, fix in used}) == 1 or abs(ahead - zone) < 2):
+        ahead = zone
+    times = [clock[0] - (0 if clock[1] else ahead or 0) if clock else fix for fix, clock in zip(fixes, clocks)]
     return times, ahead
 
 
 def read_tags(image_module, path):
-    """The directories of GPS and camera tags; a TIFF must be open when they are read."""
+    """The GPS tags, and the camera's with DateTime; a TIFF must be open when they are read."""
     try:
         with image_module.open(path) as image:
             tags = image.getexif()
-            return tags.get_ifd(GPS), tags.get_ifd(CAMERA)
+            return tags.get_ifd(GPS), {DATE_TIME: tags.get(DATE_TIME, ""), **tags.get_ifd(CAMERA)}
     except (OSError, SyntaxError, ValueError):
         raise common.Refusal(common.FILES, f"{path}: cannot read image") from None
 
@@ -133,10 +149,10 @@ def convert(arguments):
     if all(row["lat"] == "" and row["time"] == "" for row in rows):
         raise common.Refusal(common.DATA, f"{folder}: no image has a GPS position or a time in its "
                                           "EXIF tags")
-    lacks_zone = sum(fix is None and clock is not None and not clock[1] for fix, clock in zip(fixes, clocks))
+    lacks_zone = sum(clock is not None and not clock[1] for clock in clocks)
     if lacks_zone and ahead is not None:
-        print(f"exif.py: {folder}: {lacks_zone} of {len(rows)} images have no GPS time; the clock of their "
-              f"camera is corrected by {-ahead:g} s, as other images state", file=sys.stderr)
+        print(f"exif.py: {folder}: {lacks_zone} of {len(rows)} images have no time zone; the clock of their "
+              f"camera is corrected by {-ahead} s, by the GPS times", file=sys.stderr)
     elif lacks_zone:
         print(f"exif.py: {folder}: times without a time zone are read as UTC; for a camera two "
               "hours ahead, use --offset -7200", file=sys.stderr)

@@ -4,9 +4,9 @@
   scripts/convert/vpr_bench.py ground_truth_new.npy > pairs.csv
 
 The file has a row (query, list of references) for every query or, as GSV-Cities stores it, one list
-or array of references for every query; an array of integers has one row of references for every
-query. Others are Python pickles, which can execute code: anything except lists, numbers and NumPy
-arrays is refused. Needs NumPy (python3-numpy)."""
+or array of references for every query; an array of integers has one row of references, or one
+reference, for every query. Others are Python pickles, which can execute code: anything except lists,
+numbers and NumPy arrays is refused. Needs NumPy (python3-numpy)."""
 import pickle
 import sys
 
@@ -27,19 +27,23 @@ if len(sys.argv) != 2:
     sys.exit(__doc__)
 try:
     with open(sys.argv[1], "rb") as file:
-        numpy.lib.format.read_magic(file)
-        kind = numpy.lib.format.read_array_header_1_0(file)[2].kind
+        first = numpy.lib.format.read_magic(file) == (1, 0)  # headers of 2.0 and 3.0 differ in encoding only
+        header = numpy.lib.format.read_array_header_1_0 if first else numpy.lib.format.read_array_header_2_0
+        kind = header(file)[2].kind
         table = Reader(file, encoding="latin1").load() if kind == "O" else numpy.load(sys.argv[1])
     if kind not in "Oiu":
         raise ValueError("is an array of other values than integers and lists, not a ground truth")
-    if kind != "O":
-        table = table.reshape(len(table), -1)
-    rows = table if kind == "O" and table.ndim == 2 else enumerate(table)
+    if table.size == len(table):  # N x 1
+        table = table.reshape(-1)
+    if kind != "O" or all(isinstance(entry, (int, numpy.integer)) for entry in table):
+        rows = enumerate(map(numpy.ravel, table))
+    else:
+        rows = table if table.ndim == 2 else enumerate(table)
     try:
         pairs = [(query, reference) for query, references in rows for reference in references]
     except (TypeError, ValueError):
-        raise ValueError("has no lists of references, as VPR-Bench's precomputed_data_corrected.npy, which holds "
-                         "matches and scores, not a ground truth. Use ground_truth_new.npy") from None
+        raise ValueError("a row is neither a list of references nor a query with its list. VPR-Bench's "
+                         "precomputed_data_corrected.npy holds matches and scores; use ground_truth_new.npy") from None
     if any(int(number) != number for pair in pairs for number in pair):
         raise ValueError("a query or reference is not an integer")
 except Exception as error:  # a damaged file can raise any kind

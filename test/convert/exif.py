@@ -9,10 +9,11 @@ folder, convert = support.folder, support.converter("exif.py")
 photos = folder / "photos"
 
 
-def image(name, gps=None, camera=None):
+def image(name, gps=None, camera=None, main=()):
     exif = image_module.Exif()
     exif.update({tag: tags for tag, tags in ((0x8825, gps), (0x8769, camera)) if tags})
     exif._ifds.update(exif)  # Pillow writes these to a TIFF
+    exif.update(main)
     photos.mkdir(exist_ok=True)
     image_module.new("L", (8, 8)).save(photos / name, exif=exif)
 
@@ -60,23 +61,47 @@ for more in (("--query-images", photos), ("--query-times", folder / "p.csv")):
 outcome = support.run(support.programs / "vpr-eval", "check", photos, *truth[1:])
 assert outcome.returncode != 0 and "scripts/convert/exif.py" in outcome.stderr, outcome
 
-# The time of the GPS fix comes before the camera's clock, and corrects it for the other images.
-for old in photos.glob("IMG_*"):
-    old.rename(folder / old.name)
+
+def times(*images):
+    if photos.exists():
+        shutil.rmtree(photos)
+    for at, tags in enumerate(images):
+        image(f"{at}.jpg", *tags)
+    lines, warning = rows()
+    return [line.split(",")[-1] for line in lines[1:]], warning
+
+
+# The camera's clock comes before the time of the GPS fix, which corrects it.
+photos.rename(folder / "kept")
 fix = {"_7": angle(12, 0, 150), "_29": "2024:05:01"}
 clock = {0x9003: "2024:05:01 14:00:01"}
-for name, gps, camera in (("1", fix, clock), ("2", {}, {0x9003: "2024:05:01 14:00:09"}), ("3", fix, {}),
-                          ("4", fix, {**clock, 0x9011: "+01:00"}), ("5", {**fix, "_9": "V"}, {}),
-                          ("6", {**fix, "_29": "0000:00:00"}, {})):
-    image(f"IMG_{name}.jpg", place(0, **gps), camera)
-lines, warning = rows()
-assert [line.split(",")[-1] for line in lines[1:]] == ["1714564801.5", "1714564809.5", "1714564801.5",
-                                                       "1714564801.5", "", ""], lines
-assert "1 of 6 images have no GPS time" in warning and "by -7199.5 s" in warning, warning
-for new in photos.glob("IMG_*"):
-    new.unlink()
-for old in folder.glob("IMG_*"):
-    old.rename(photos / old.name)
+fixed = place(0, **fix)
+found, warning = times((fixed, clock), (place(0), {0x9003: "2024:05:01 14:00:09"}), (fixed,),
+                       (fixed, {**clock, 0x9011: "+01:00"}), ({**fixed, 9: "V"},), ({**fixed, 29: "0000:00:00"},),
+                       ({**fixed, 29: "2024-05-01"},))
+assert found == ["1714564801", "1714564809", "1714564801.5", "1714568401", "", "", "1714564801.5"], found
+assert "2 of 7 images have no time zone" in warning and "by -7200 s" in warning, warning
+
+# Four images per second, and an old fix of integer seconds that does not change.
+for zone in ({}, {0x9011: "+02:00"}):
+    found, _ = times(*(({**fixed, 7: angle(11, 55, 100)}, {**clock, 0x9291: digits, **zone})
+                       for digits in ("25", "5", "75")))
+    assert found == ["1714564801.25", "1714564801.5", "1714564801.75"], found
+
+# A clock that is four minutes slow, and an old fix between two new ones.
+found, _ = times(*(({**fixed, 7: angle(12, minute, 100)}, {0x9003: f"2024:05:01 14:0{at}:01"})
+                   for at, minute in enumerate((4, 4, 6))))
+assert found == ["1714565041", "1714565101", "1714565161"], found
+
+# The first valid time, with its own fraction and zone; OffsetTime if DateTime is not another time.
+other = {0x9291: "1", 0x9292: "2", 0x9290: "3", 0x9012: "+01:00", 0x9010: "+03:00"}
+later, unknown = {0x0132: "2024:05:01 15:00:00"}, {0x9003: "    :  :     :  :  "}
+found, _ = times((fixed, {**other, **clock, 0x9004: clock[0x9003]}),
+                 (fixed, {**other, **unknown, 0x9004: clock[0x9003]}), (fixed, other, later),
+                 (fixed, {**other, **clock}, later), (fixed, {**other, **clock, 0x9011: "   :  "}, later))
+assert found == ["1714561201.1", "1714568401.2", "1714564800.3", "1714564801.1", "1714564801.1"], found
+shutil.rmtree(photos)
+(folder / "kept").rename(photos)
 
 # Invalid positions.
 for bad in (place(0, _9="V"), place(0, _2=angle(52, 0, 0, 0)), {}, {2: angle(0, 0, 0), 4: angle(0, 0, 0)}):

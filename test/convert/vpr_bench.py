@@ -30,6 +30,15 @@ two = "query,reference\n0,1\n0,2\n2,0\n"
 check(table([(0, [1, 2]), (1, []), (2, (0,))], (3, 2)), two)
 check(table([(0, numpy.array([1, 2])), (1, range(0)), (2, [numpy.int64(0)])], (3, 2)), two)
 check(table([[1, 2], numpy.array([], dtype=int), [0.0]], 3), two)
+column = numpy.empty((3, 1), dtype=object)
+column[:, 0] = [[1, 2], [], [0]]
+for version in ((1, 0), (2, 0), (3, 0)):
+    for array, expected in ((column, two), (numpy.array([1, 0]), "query,reference\n0,1\n1,0\n")):
+        with open(folder / "v.npy", "wb") as file:
+            numpy.lib.format.write_array(file, array, version)
+        check(folder / "v.npy", expected)
+for shape in (2, (2, 1)):
+    check(table([1, numpy.int64(0)], shape), "query,reference\n0,1\n1,0\n")
 
 # GSV-Cities' integers, one row per query; and VPR-Bench's matches, which are not a ground truth.
 for array, expected in (([[1], [0]], "query,reference\n0,1\n1,0\n"), ([1, 0], "query,reference\n0,1\n1,0\n"),
@@ -39,6 +48,7 @@ for array, expected in (([[1], [0]], "query,reference\n0,1\n1,0\n"), ([1, 0], "q
 numpy.save(folder / "s.npy", numpy.array([0.5, 1]))
 for path, words in ((table([0.5, 1.5], 2), "precomputed_data_corrected.npy"),
                     (table([(0.5, [1], [2])] * 2, (2, 3)), "precomputed_data_corrected.npy"),
+                    (table([1, [2]], 2), "neither a list of references"),
                     (folder / "s.npy", "other values than integers")):
     refused = convert(path)
     assert refused.returncode != 0 and words in refused.stderr, refused
