@@ -63,9 +63,12 @@ Owned<AVFormatContext> open_file(const std::filesystem::path& path) {
               "ogg,yuv4mpegpipe,h264,hevc,m4v,mjpeg,mxf,ivf,gif,dv,nut,wtv,rm",
               0);
   av_dict_set(&options, "protocol_whitelist", "file", 0);
+  const std::string extension = lower_case(path.extension().string());
+  const bool is_mjpeg = extension == ".mjpeg" || extension == ".mjpg";  // detected as one image
   AVFormatContext* file = nullptr;
   const int status =
-      avformat_open_input(&file, ("file:" + path.string()).c_str(), nullptr, &options);
+      avformat_open_input(&file, ("file:" + path.string()).c_str(),
+                          is_mjpeg ? av_find_input_format("mjpeg") : nullptr, &options);
   av_dict_free(&options);
   return Owned<AVFormatContext>(status < 0 ? nullptr : file);
 }
@@ -88,14 +91,13 @@ int orientation_of(const AVStream& stream) {
   return 1;
 }
 
-// Whether frames are gray of more than 8 bits, as of thermal cameras, or have 16 bits of red, green
-// and blue: they are scaled by their range.
+// Whether frames are gray of more than 8 bits, as of thermal cameras, or color of 16 bits: they are
+// scaled by their range.
 bool is_deep(AVPixelFormat format) {
   const AVPixFmtDescriptor* const pixels = av_pix_fmt_desc_get(format);
   if (pixels == nullptr || (pixels->flags & AV_PIX_FMT_FLAG_FLOAT) != 0) return false;
   const bool is_gray = pixels->nb_components < 3;
-  const bool is_color = (pixels->flags & AV_PIX_FMT_FLAG_RGB) != 0;
-  return pixels->comp[0].depth > (is_gray ? 8 : 15) && (is_gray || is_color);
+  return pixels->comp[0].depth > (is_gray ? 8 : 15);
 }
 
 // For codecs such as VP9, which state a full range in the frame; the pixel format of H.264 does.
