@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "base/exponentials.cpp"
@@ -120,6 +122,23 @@ double exponentiate(std::span<double> values) {
   assert(!values.empty());
   const double most = HWY_DYNAMIC_DISPATCH(Largest)(values.data(), values.size());
   return HWY_DYNAMIC_DISPATCH(Exponentiate)(values.data(), values.size(), most);
+}
+
+// x = 2^n m with m from 0.5 to 2; ln m = ln((1 + y) / (1 - y)) = 2 (y + y^3 / 3 + y^5 / 5 ...),
+// |y| <= 1/3.
+double natural_logarithm(double x) {
+  assert(x > 0 && std::isfinite(x));
+  int n = 0;
+  for (; x > 2; x /= 2) ++n;
+  for (; x < 0.5; x *= 2) --n;
+  const double y = (x - 1) / (x + 1);
+  double power = y;
+  double sum = 0;
+  for (int k = 1; k <= 35; k += 2) {
+    sum += power / k;
+    power *= y * y;
+  }
+  return 2 * sum + n * std::numbers::ln2;
 }
 
 }  // namespace vpr

@@ -1,4 +1,4 @@
-// Converts many logarithms to probabilities, with the same bytes on every SIMD target.
+// Exponentials of many values, and logarithms, with the same bytes on every machine.
 #pragma once
 
 #include <span>
@@ -9,5 +9,8 @@ namespace vpr {
 /// become 0. Returns the sum of the new values: eight partial sums, each over every eighth value,
 /// added in order. No value may be NaN or +infinity; `values` must not be empty.
 double exponentiate(std::span<double> values);
+
+/// ln(x) of a finite x > 0, within 4 units in the last place.
+double natural_logarithm(double x);
 
 }  // namespace vpr

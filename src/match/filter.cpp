@@ -106,7 +106,6 @@ constexpr double kWorstZ = 8;  // larger values are clamped
 constexpr uint32_t kMantissas = 1024;
 constexpr uint32_t kMantissaShift = 13;  // the upper 10 of a float's 23 mantissa bits are looked up
 constexpr uint32_t kFraction = 256;      // units of logarithms per unit of values
-constexpr double kMostMass = 2980.9579870417283;  // exp(kMostEvidence)
 
 constexpr std::array<FilterRate, kRateCount> kFilterRates = {{
     {0.05, {1, 0, 0}},
@@ -131,19 +130,6 @@ std::vector<float> likelihood_table() {
   std::vector<float> table(kEntries);
   for (size_t k = 0; k < kEntries; ++k) table[k] = static_cast<float>(powers[k] / powers.back());
   return table;
-}
-
-// ln((1 + y) / (1 - y)) = 2 (y + y^3 / 3 + y^5 / 5 ...), by operations that every machine rounds
-// the same way; |y| <= 1/3.
-double natural_logarithm(double x) {
-  const double y = (x - 1) / (x + 1);
-  double power = y;
-  double sum = 0;
-  for (int k = 1; k <= 35; k += 2) {
-    sum += power / k;
-    power *= y * y;
-  }
-  return 2 * sum;
 }
 
 uint32_t logarithm(const FilterState& state, float mass) {

@@ -100,6 +100,7 @@ inline constexpr double kSharpness = 0.3;
 inline constexpr double kUnrelated = -0.75;
 inline constexpr double kRateChange = 0.05;
 inline constexpr double kMostEvidence = 8;
+inline constexpr double kMostMass = 2980.9579870417283;  ///< exp(kMostEvidence)
 
 /// The state after some keyframes of a query: the mass of each cell and rate is the sum over all
 /// paths that end there, each the product of its likelihood ratios to unrelated places. At each

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/exponentials.h"
 #include "match/frame_distances.h"
 #include "match/score_kernels.h"
 
@@ -190,7 +191,8 @@ std::optional<double> TrainWitness::contrast_to(std::span<const LocalFeature> qu
     match = std::max(match, inliers(query, features_->of(k)).size());
   size_t other = 0;
   for (const size_t k : others) other = std::max(other, inliers(query, features_->of(k)).size());
-  return std::log((static_cast<double>(match) + kChance) / (static_cast<double>(other) + kChance));
+  return natural_logarithm((static_cast<double>(match) + kChance) /
+                           (static_cast<double>(other) + kChance));
 }
 
 // The keyframe at or before a match, or the first one of its sequence, which must have one.

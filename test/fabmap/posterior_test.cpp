@@ -76,3 +76,9 @@ TEST_CASE("exponentials equal those of the standard library on every SIMD target
     }
   }
 }
+
+TEST_CASE("logarithms are those of the library") {
+  CHECK(natural_logarithm(1) == 0);
+  for (double x = 1e-300; x < 1e300; x *= 1.37)
+    CHECK(natural_logarithm(x) == Approx(std::log(x)).epsilon(1e-15).margin(1e-16));
+}
