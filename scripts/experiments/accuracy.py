@@ -34,7 +34,8 @@ BUILDINGS = {"building 1": (21, 0.3), "building 2": (22, 0.8), "building 3": (23
 ON_MAP = ["same", "slow", "fast", "varying", "detour", "carried"]
 OFF_MAP = ["back", "upstairs", "elsewhere"]
 MARGINS = [10, 12, 14, 16, 18, 20]  # in deviations
-FOREIGN, REVERSED, LAPS, RATES = "off the map", "reversed", "laps", "frame rates"
+FOREIGN, REVERSED, LAPS, RATES, ENTERING = "off the map", "reversed", "laps", "frame rates", "entering the map"
+ENTERING_STEPS = (1, 2, 3)
 STEPS = {"all frames": 1, "every 2nd": 2, "3rd": 3, "4th": 4, "6th": 6}
 DENSE_FPS = 60  # of the rendered walks whose frame rate is reduced
 ONE_LAP = {"garage": 361, "flat": 273, "rendered ring": None}  # frames of the first lap; None: a walk of its own
@@ -70,9 +71,13 @@ def different_places():
             lambda result: np.zeros(result.frames, bool))
 
 
-def listed_pairs(path):
+def rows_of_pairs(path):
     with open(path, newline="") as file:
-        rows = [(int(row["query"]), int(row["reference"]), row["label"]) for row in csv.DictReader(file)]
+        return [(int(row["query"]), int(row["reference"]), row["label"]) for row in csv.DictReader(file)]
+
+
+def listed_pairs(path):
+    rows = rows_of_pairs(path)
     same, ignored = {}, set()
     for query, train, label in rows:
         if label == "same":
@@ -87,6 +92,17 @@ def listed_pairs(path):
         return np.nan if nearest and (query, train) in ignored else nearest
     return (lambda result, query, train: np.array([off(*pair) for pair in zip(query, train)], float),
             lambda result: np.isin(np.arange(result.frames), list(same)))
+
+
+def from_frame(first, step, pairs):
+    """`pairs` of frames of two recordings, of which every n-th frame is used, of the second one from `first` on."""
+    places = {}
+    for query, train in pairs:
+        if train >= first:
+            places.setdefault(query / step, []).append((train - first) / step)
+    nearest = lambda query, train: min((abs(place - train) for place in places.get(query, [])), default=np.inf)
+    return (lambda result, query, train: np.floor([nearest(*pair) for pair in zip(query, train)]),
+            lambda result: np.isin(np.arange(result.frames), list(places)))
 
 
 class Case:
@@ -313,6 +329,28 @@ def rate_cases():
             for title, (train, query) in walks.items()}
 
 
+def entering_cases(rendered):
+    """Queries that begin before the first trained frame: the first half of each recording is not trained."""
+    data = options.data
+    both = lambda a, b, tolerance: [(query, train, tolerance, None) for query, train in ((a, b), (b, a))]
+    walks = {"corridor": both(data / "corridor/query", data / "corridor/ref", 3),
+             "Nordland": both(data / "nordland/winter", data / "nordland/summer", 2),
+             "rendered, same walk": [(cases["same"].query, cases["same"].query.with_name("trained"), 0,
+                                      cases["same"].query.with_name("same.ground_truth.csv")) for cases in rendered.values()]}
+    found = {}
+    for name, sides in walks.items():
+        for query, train, tolerance, file in sides:
+            frames = len(list(train.iterdir()))
+            first = frames // 2
+            pairs = [(q, r) for q, r, label in rows_of_pairs(file) if label == "same"] if file else [
+                (q, q + i) for q in range(frames) for i in range(-tolerance, tolerance + 1)]
+            for step in ENTERING_STEPS:
+                place = database(f"entering-{train.parent.name}-{train.name}-{step}", f"{train}@{first}::{step}")
+                found.setdefault((name, step), []).append(
+                    Case(place, f"{query}@::{step}", from_frame(first, step, pairs)))
+    return found
+
+
 def table(head, rows):
     lines = ["||" + "|".join(head) + "|", "|---|" + "---:|" * len(head)]
     return "\n".join(lines + [f"|{title}|" + "|".join(cells) + "|" for title, *cells in rows]) + "\n"
@@ -369,7 +407,7 @@ def measure(pool):
     for name, walks in rendered.items():
         jobs += [(name, method, walk, walks[walk], None, 1) for walk in walks for method in METHODS]
     for column, sets in ((FOREIGN, foreign_cases()), (REVERSED, reversed_cases()), (LAPS, lap_cases()),
-                         (RATES, rate_cases())):
+                         (RATES, rate_cases()), (ENTERING, entering_cases(rendered))):
         for name, cases in sets.items():
             jobs += [(name, "filter", column, case, "reversed" if column == REVERSED else None, 1)
                      for case in cases]
@@ -425,6 +463,13 @@ def silence_tables(found):
     yield "laps", table(["frames", "one lap trained", "all laps trained"],
                         [[name, str(one.frames), str(len(one.query)), str(len(every.query))]
                          for name, (one, every) in results(LAPS).items()])
+    entering = results(ENTERING)
+    off = lambda each: f"{sum((~one.known[one.query]).sum() for one in each)} of {sum((~one.known).sum() for one in each)}"
+    on = lambda each: f"{100 * sum((one.off == 0).sum() for one in each) / sum(one.known.sum() for one in each):.0f}"
+    yield "entering the map", table(
+        [f"{words}{part}" for part in ("before the map", "on it, %") for words in ("", "every 2nd: ", "3rd: ")],
+        [[name, *(measure(entering[name, step]) for measure in (off, on) for step in ENTERING_STEPS)]
+         for name in dict.fromkeys(name for name, _ in entering)])
     yield "frame rates", table(
         [*STEPS], [[name, *(f"{100 * len(one.query) / one.frames:.0f}" for one in each)]
                    for name, each in results(RATES).items()])

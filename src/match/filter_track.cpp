@@ -30,6 +30,11 @@ constexpr uint32_t kOtherPass = 5 * kScoreUnit;
 // The margin that establishes a path, in units of values.
 constexpr uint32_t kEstablished = 5 * kScoreUnit;
 
+// A path begins where it advances by this number of places over the next path_keyframes / 2: half
+// the speed advances by one more. Views before the first trained one resemble it, and stand there.
+constexpr int64_t kHeadAdvance = 3;
+constexpr size_t kHeadStand = 3;  // keyframes at one place, at its beginning
+
 size_t difference(size_t a, size_t b) { return std::max(a, b) - std::min(a, b); }
 
 // The smallest value of cells [first, last).
@@ -208,12 +213,37 @@ void trace_back(PathTrack& track, const FilterState& state) {
   }
 }
 
+// The recent keyframe at which the path begins, or the first one if it began earlier.
+size_t begin_of_path(const PathTrack& track) {
+  const auto& recent = track.recent;
+  if (recent.back().length > recent.size()) return 0;
+  const size_t ahead = track.settings.path_keyframes / 2;
+  const size_t settled = recent.size() - open_keyframes(track);
+  const auto step = [&](size_t from, size_t to) {
+    return static_cast<int64_t>(recent[to].cell) - static_cast<int64_t>(recent[from].cell);
+  };
+  // Longer steps back lead to another pass.
+  const auto near = static_cast<int64_t>(track.settings.near_keyframes);
+  const auto is_below = [near](int64_t cells, int64_t least) {
+    return -near <= cells && cells < least;
+  };
+  size_t first = recent.size() - recent.back().length;
+  for (size_t k = settled; k-- > first + 1;)
+    if (is_below(step(k - 1, k), -int64_t{kLongestStep})) first = k;
+  while (first < settled && first + ahead < recent.size() &&
+         is_below(step(first, first + ahead), kHeadAdvance))
+    ++first;
+  size_t last = first;  // at the first place
+  while (last + 1 < settled && is_below(step(first, last + 1), 1)) ++last;
+  return std::max(first, last + 1 - std::min(last + 1, kHeadStand));
+}
+
 // The first recent keyframe that the path may still recognize. Without a margin, an earlier path
 // may be resumed.
 size_t first_open(const PathTrack& track) {
   const size_t recent = track.recent.size();
   const size_t most = track.settings.path_keyframes * 3 / 2 + 1;
-  const size_t first = track.margin > 0 ? recent - path_size(track) : 0;
+  const size_t first = track.margin > 0 ? begin_of_path(track) : 0;
   return track.recent.back().established < most ? first : std::max(first, recent - most);
 }
 

@@ -10,6 +10,7 @@ std::vector<Cell> PathDecisions::take(const PathReport& report) {
   margin_ = report.margin;
   while (!open_.empty() && open_.front().query_window < report.first) open_.pop_front();
   for (const Cell& match : report.matches) {
+    if (match.query_window < report.first) continue;
     const size_t index = open_.empty() ? 0 : match.query_window - open_.front().query_window;
     assert(index <= open_.size());  // a recognized frame has no later report
     if (index == open_.size()) open_.emplace_back();

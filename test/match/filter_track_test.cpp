@@ -160,6 +160,21 @@ TEST_CASE("places are traced back from the last keyframe, by steps, over eight k
   }
 }
 
+TEST_CASE("a path begins where it advances, with three keyframes at its first place") {
+  const auto first_frame = [](const auto& place_of) {
+    Places places;
+    for (size_t view = 0; view < 36; ++view) places.see(0, place_of(view), view);
+    return places.track.first_frame;
+  };
+  CHECK(first_frame([](size_t view) { return view; }) == 0);
+  CHECK(first_frame([](size_t view) { return view / 2; }) == 0);
+  CHECK(first_frame([](size_t view) { return view < 12 ? 0 : view - 11; }) == 9);
+  CHECK(first_frame([](size_t view) { return view < 9 ? 6 + view % 2 : view - 8; }) == 9);
+  // A stop on the way is no beginning.
+  CHECK(first_frame(
+            [](size_t view) { return view < 16 ? view : std::max<size_t>(15, view - 8); }) == 0);
+}
+
 TEST_CASE("a path that is not established resumes after another one led for a while") {
   const auto interrupt = [](size_t seen, size_t keyframes, uint32_t evidence) {
     Places places;
@@ -193,7 +208,7 @@ TEST_CASE("a path that is not established resumes after another one led for a wh
 TEST_CASE("a path recognizes 65 keyframes until it has been established for 25, then 25") {
   Places places;
   for (size_t view = 0; view < 120; ++view) {
-    const size_t place = std::min<size_t>(view / 3, 39);
+    const size_t place = std::min<size_t>(view / 2, 39);
     places.see(0, place, view, view < 80 ? 4 * kScoreUnit : 24 * kScoreUnit);
     INFO(view);
     const size_t kept = view < 80 + 24 ? 64 : 24;

@@ -51,6 +51,14 @@ TEST_CASE("a margin that comes too late recognizes younger frames only") {
   CHECK(queries(decisions.finish()) == Frames{4, 5});
 }
 
+TEST_CASE("a path may begin at frames whose places still change") {
+  PathDecisions decisions(10);
+  CHECK(decisions.take(Step(1, 0, 0, 0, 5).report).empty());
+  CHECK(queries(decisions.take(Step(1, 20, 6, 3, 6, 5).report)) == Frames{5});
+  CHECK(queries(decisions.take(Step(1, 20, 8, 6, 8, 7).report)) == Frames{7});
+  CHECK(queries(decisions.finish()) == Frames{8});
+}
+
 TEST_CASE("a path that ends does not recognize its open frames") {
   PathDecisions decisions(10);
   decisions.take(Step(1, 20, 1, 0, 3).report);
