@@ -131,6 +131,10 @@ std::vector<std::vector<std::string>> train_names(const EvalFlags& flags,
 /// The names of all training sequences in one list, as the columns of scores are one sequence.
 std::vector<std::string> joined(const std::vector<std::vector<std::string>>& names);
 
+/// The number of frames of a sequence; nullopt if it is unknown, as of a video. Images of a list
+/// need not exist.
+std::optional<size_t> known_frames(const SequenceArgument& argument);
+
 struct Evaluated {
   Evaluation evaluation;
   EvaluationSettings by;

@@ -35,10 +35,8 @@ struct TruthInputs {
 };
 
 size_t count_frames(const SequenceArgument& argument, const Monitor& monitor) {
-  const SequenceSource sequence = open_sequence(argument);
-  if (sequence.kind == SequenceKind::descriptors) return ArrayRows(sequence).count();
-  if (sequence.kind == SequenceKind::images) return sequence.files.size();
-  return for_each_frame(sequence, PixelFormat::gray, Unreadable::skip, monitor,
+  if (const auto frames = known_frames(argument)) return *frames;
+  return for_each_frame(open_sequence(argument), PixelFormat::gray, Unreadable::skip, monitor,
                         [](size_t, const cv::Mat&) {})
       .frames;
 }
@@ -202,17 +200,6 @@ InspectedGroundTruth inspect(const Session& session, const TruthInputs& inputs,
                              const GroundTruthScope& scope) {
   return inspect_ground_truth(ground_truth_argument(inputs.ground_truth, inputs.flags), scope,
                               session.monitor);
-}
-
-// The same with all frames of the recordings, as files of ground truth count them.
-GroundTruthScope recorded(GroundTruthScope scope) {
-  const auto use_all = [](Sequence& sequence) {
-    sequence.frames = sequence.recorded_frames();
-    sequence.selection = {};
-  };
-  use_all(scope.query);
-  for (auto& one : scope.sequences) use_all(one.sequence);
-  return scope;
 }
 
 void run_check(Session& session, const TruthInputs& inputs) {

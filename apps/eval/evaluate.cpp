@@ -28,14 +28,6 @@ std::vector<SequenceArgument> train_arguments(const EvalFlags& flags,
   return arguments;
 }
 
-// Unset if it is unknown, as of a video.
-std::optional<size_t> known_frames(const SequenceArgument& argument) {
-  if (const auto names = known_frame_names(argument)) return names->size();
-  const SequenceSource source = open_sequence(argument);
-  if (source.kind == SequenceKind::descriptors) return ArrayRows(source).count();
-  return std::nullopt;
-}
-
 // The number of query frames; unset if it is unknown.
 std::optional<size_t> query_frames(const EvalFlags& flags) {
   const auto query = query_argument(flags, flags.query);
@@ -118,6 +110,13 @@ EvaluationSettings evaluation_settings(const EvalFlags& flags, const EvalRow& ro
 }
 
 }  // namespace
+
+std::optional<size_t> known_frames(const SequenceArgument& argument) {
+  if (const auto names = known_frame_names(argument)) return names->size();
+  const SequenceSource source = open_sequence(argument);
+  if (source.kind == SequenceKind::descriptors) return ArrayRows(source).count();
+  return std::nullopt;
+}
 
 void compare_arrays(EvalFlags& flags) {
   ScoreInputs& scores = flags.scores;

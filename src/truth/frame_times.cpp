@@ -137,7 +137,8 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path, const Nam
              /*is_ragged=*/true});
   TimeReader reader(unit_of_times(rows, "time"));
   ListedTimes listed;
-  bool are_frames = rows.header().empty();    // the first of two columns counts them
+  bool are_frames = rows.header().empty();  // the first column counts them
+  std::optional<int64_t> first_frame;
   bool are_integers = rows.header().empty();  // of two columns, the first one in seconds
   for (size_t i = 0; rows.next(); ++i) {
     const auto cells = rows.cells();
@@ -146,10 +147,12 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path, const Nam
       rows.fail(
           "its first line is neither a time nor a header with a column of times, such as \"time\" "
           "or \"time_ms\"");
-    are_frames =
-        are_frames && cells.size() == 2 && cells[0] == std::to_string(i) && unit_of_time(cells[1]);
-    are_integers = are_integers && cells.size() == 2 && parse_number<int64_t>(cells[0]) &&
-                   parse_number<int64_t>(cells[1]) && unit_of_time(cells[0]) == TimeUnit::seconds;
+    const auto number = parse_number<int64_t>(cells[0]);
+    if (i == 0) first_frame = number;
+    are_frames = are_frames && cells.size() >= 2 && number && first_frame <= 1 &&
+                 *number == *first_frame + static_cast<int64_t>(i) && unit_of_time(cells[1]);
+    are_integers = are_integers && cells.size() == 2 && number && parse_number<int64_t>(cells[1]) &&
+                   unit_of_time(cells[0]) == TimeUnit::seconds;
     const std::string_view image = rows.text("image");
     const int64_t time = reader.read(rows.location(), text);
     if (i == 1 && rows.header().empty() && listed.times == std::vector<int64_t>{0} &&
@@ -160,13 +163,15 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path, const Nam
     if (!frame_in_range(source.range, i)) continue;
     listed.times.push_back(time);
     listed.lines.push_back(rows.line());
-    listed.images.emplace_back(parse_real(image) ? "" : image);
+    const bool is_number = rows.header().empty() && parse_real(image);
+    listed.images.emplace_back(is_number ? "" : image);
   }
   if (listed.times.empty()) rows.fail("has no times");
   if (are_frames && rows.size() > 1)
     rows.fail(
-        "its first column counts 0, 1, 2, ... Add a first line that names the columns, such as "
-        "frame,time");
+        "its first column counts {}, {}, {}, ... Add a first line that names the columns, such as "
+        "frame time",
+        *first_frame, *first_frame + 1, *first_frame + 2);
   if (are_integers)
     rows.fail(
         "its second column may be a fraction of the first one. Use a decimal point, or add a first "
@@ -186,7 +191,8 @@ std::vector<int64_t> read_frame_times(const std::filesystem::path& path, const N
   std::error_code error;
   if (std::filesystem::is_directory(source.path, error))
     return times_of_names(open_sequence(source));
-  const bool is_text = read_file_start(source.path, kFileStart).find('\0') == std::string::npos;
+  const std::string start = read_file_start(source.path, kFileStart);
+  const bool is_text = start.find('\0') == std::string::npos && !start.starts_with("YUV4MPEG2");
   return is_text ? read_time_list(path, names, monitor) : read_video_times(source, monitor);
 }
 

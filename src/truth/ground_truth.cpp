@@ -77,14 +77,7 @@ InspectedGroundTruth read_recorded(GroundTruthArgument argument, const GroundTru
 // Copies the labels of each recorded frame to all frames that repeat it.
 InspectedGroundTruth read(const GroundTruthArgument& argument, const GroundTruthScope& scope,
                           InconsistentPairs inconsistent, const Monitor& monitor) {
-  GroundTruthScope recorded = scope;  // files refer to whole recordings
-  const auto select_all = [](Sequence& sequence) {
-    sequence.frames = sequence.recorded_frames();
-    sequence.selection = {};
-  };
-  select_all(recorded.query);
-  for (auto& train : recorded.sequences) select_all(train.sequence);
-  InspectedGroundTruth result = read_recorded(argument, recorded, inconsistent, monitor);
+  InspectedGroundTruth result = read_recorded(argument, recorded(scope), inconsistent, monitor);
   if (const Selection& selection = scope.query.selection; !selection.is_all()) {
     result.truth.pairs = selected(std::move(result.truth.pairs), selection);
     if (!result.truth.asked.empty())
@@ -182,6 +175,16 @@ void GroundTruth::label_row(size_t query, size_t sequence, std::span<PlaceLabel>
 bool GroundTruth::has_match(size_t query) const {
   if (!asked.empty()) return !asked[query].empty();
   return std::ranges::find(pairs[query], PlaceLabel::same, &Pair::label) != pairs[query].end();
+}
+
+GroundTruthScope recorded(GroundTruthScope scope) {
+  const auto select_all = [](Sequence& sequence) {
+    sequence.frames = sequence.recorded_frames();
+    sequence.selection = {};
+  };
+  select_all(scope.query);
+  for (auto& train : scope.sequences) select_all(train.sequence);
+  return scope;
 }
 
 GroundTruth unknown_ground_truth(const GroundTruthScope& scope) {

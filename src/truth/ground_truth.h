@@ -123,6 +123,9 @@ std::vector<LabelStretch> label_runs(const GroundTruth& truth, size_t query, siz
 /// ignore, the selected ones are ignored.
 void select_train_frames(GroundTruth& truth, const GroundTruthScope& scope);
 
+/// The scope of the recordings, without selections, whose frames files of ground truth count.
+GroundTruthScope recorded(GroundTruthScope scope);
+
 /// The ground truth if nothing is known: every pair of the searched sequences is labeled ignore.
 GroundTruth unknown_ground_truth(const GroundTruthScope& scope);
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/column_names.h"
 #include "base/text.h"
 #include "recordings/sequence_source.h"
 #include "truth/layouts.h"
@@ -67,7 +68,7 @@ class LayoutReader {
     }
     check_lengths();
     check_centers();
-    found_.has_certain_names = has_names_;
+    check_meters();
     if (layout_.is_table() && !by_frame) read_names(rows_, source_.range, found_);
     return std::move(found_);
   }
@@ -233,6 +234,26 @@ class LayoutReader {
           layout_.name);
   }
 
+  // Latitudes and longitudes of some kilometers are all within a tenth of a degree.
+  void check_meters() const {
+    constexpr double kFewDegrees = 0.1;
+    constexpr size_t kFewPoses = 10;
+    const auto first =
+        std::ranges::find_if(found_.poses, [](const auto& pose) { return pose.has_value(); });
+    if (layout_.is_table() || layout_.is_world_to_camera || found_.is_on_earth ||
+        found_.poses.size() < kFewPoses || first == found_.poses.end())
+      return;
+    const auto [x, y, z] = extents_of(found_.poses);
+    const auto& position = (*first)->position;
+    const double farther = std::max(std::abs(position[0]), std::abs(position[1]));
+    if (x + y > 0 && std::max(x, y) < kFewDegrees && farther > 1 && farther <= 360)
+      rows_.fail(
+          "its positions near {:g}, {:g} extend over less than {} m. If they are latitudes and "
+          "longitudes, add a first line that names the columns, such as time,lat,lon; if they are "
+          "meters, subtract the first position",
+          position[0], position[1], kFewDegrees);
+  }
+
   const Layout& layout_;
   SequenceArgument source_;
   Rows rows_;
@@ -245,30 +266,41 @@ class LayoutReader {
   size_t unequal_ = 0;  // quaternions of another length than 1
 };
 
+// Whether a cell is no name, also not a time: a negative number, or one with a point and few digits
+// before it.
+bool is_measurement(std::string_view cell) {
+  constexpr size_t kClock = 10;  // digits of seconds since 1970
+  return parse_real(cell) &&
+         (cell.starts_with('-') || (cell.find('.') < std::min(cell.size(), kClock)));
+}
+
 }  // namespace
 
 void read_names(Rows& rows, const FrameRange& lines, Trajectory& trajectory) {
-  const std::vector<std::string>& header = rows.header();
-  std::vector<std::set<std::string_view>> texts(header.size());
-  std::vector<bool> are_names(header.size(), true);
-  const bool is_named = rows.has("image");
+  if (rows.has("image")) {
+    for (size_t row = 0; rows.next(); ++row)
+      if (frame_in_range(lines, row)) trajectory.names.emplace_back(rows.text("image"));
+    return;
+  }
+  static const std::vector<std::string_view> kPoseColumns = {
+      "x", "y", "z", "qx", "qy", "qz", "qw", "lat", "lon", "heading", "floor", "score"};
+  const auto may_have_names = [&](size_t column) {
+    const std::string& name = rows.header()[column];
+    return !is_measurement(rows.cells()[column]) &&
+           std::ranges::none_of(kPoseColumns, [&](std::string_view known) {
+             return parse_column_name(name, known).has_value();
+           });
+  };
+  std::vector<size_t> columns;
   for (size_t row = 0; rows.next(); ++row) {
-    if (!frame_in_range(lines, row)) continue;
-    if (is_named) trajectory.names.emplace_back(rows.text("image"));
-    for (size_t i = 0; i < texts.size() && !is_named; ++i) {
-      const std::string_view cell = rows.cells()[i];
-      are_names[i] = are_names[i] && !is_missing(cell) && !parse_calendar_time(cell) &&
-                     (!parse_real(cell) || !no_number_hint(cell).empty()) &&
-                     texts[i].insert(cell).second;
+    for (size_t i = 0; row == 0 && i < rows.header().size(); ++i)
+      if (may_have_names(i)) columns.push_back(i);
+    trajectory.name_columns.resize(columns.size());
+    for (size_t i = 0; i < columns.size() && frame_in_range(lines, row); ++i) {
+      const std::string_view cell = rows.cells()[columns[i]];
+      trajectory.name_columns[i].emplace_back(is_missing(cell) ? "" : cell);
     }
   }
-  trajectory.has_certain_names = is_named && !trajectory.names.empty();
-  const auto found = std::ranges::find(are_names, true);
-  if (is_named || found == are_names.end() || trajectory.poses.size() < 2) return;
-  const auto column = static_cast<size_t>(found - are_names.begin());
-  for (size_t row = 0; rows.next(); ++row)
-    if (frame_in_range(lines, row)) trajectory.names.emplace_back(rows.cells()[column]);
-  trajectory.has_certain_names = is_frame_name(trajectory.names.front());
 }
 
 Trajectory read_layout(const std::filesystem::path& path, const Layout& layout, bool with_times) {

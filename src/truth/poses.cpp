@@ -250,6 +250,8 @@ std::string read_trajectories(GroundTruthBuilder& builder) {
     Trajectory found =
         read_layout(options.poses, *find_layout(format), !options.files.times.empty());
     require_equal(options.poses, "z", have_heights, found.has_heights);
+    if (options.files.times.empty())
+      choose_names(found, names_of_side(options.files, names_of(builder, side)));
     if (found.names.empty()) warn_of_steps(found, builder.monitor());
     // Frames without a line at the end of a file that numbers them.
     if (found.lines.empty() && count.known() && found.poses.size() < *count.known())
@@ -266,7 +268,9 @@ std::string read_gps(GroundTruthBuilder& builder) {
   std::optional<bool> have_floors;
   const std::string matched = match_sides(builder, [&](PoseSide side, const FrameCount& count) {
     const SideOptions options = side_options(argument, side);
-    Trajectory found = read_fixes(options.poses, count.known());
+    Trajectory found = read_fixes(options.poses, count.known(), !options.files.times.empty());
+    if (options.files.times.empty())
+      choose_names(found, names_of_side(options.files, names_of(builder, side)));
     require_equal(options.poses, "floor", have_floors, found.has_floors);
     require_one_per_frame(found, options, count);
     Poses poses =

@@ -46,8 +46,9 @@ std::optional<Geographic> read_fix(const Rows& rows) {
   const std::string_view latitude = rows.text("lat");
   const std::string_view longitude = rows.text("lon");
   if (is_missing(latitude) && is_missing(longitude)) return std::nullopt;
-  const Geographic place{read_degrees(rows, "lat", "latitude"),
-                         read_degrees(rows, "lon", "longitude")};
+  Geographic place{read_degrees(rows, "lat", "latitude"), read_degrees(rows, "lon", "longitude")};
+  if (rows.text("n/s") == "S") place.latitude_deg = -std::abs(place.latitude_deg);
+  if (rows.text("e/w") == "W") place.longitude_deg = -std::abs(place.longitude_deg);
   if (place.latitude_deg == 0 && place.longitude_deg == 0) return std::nullopt;
   if (std::abs(place.latitude_deg) > 90)
     rows.fail("the latitude {} is beyond 90 degrees{}", latitude,
@@ -105,14 +106,21 @@ void check_degrees(Rows& rows) {
         "columns lat_rad and lon_rad, or lat_deg and lon_deg");
 }
 
+std::vector<int64_t> times_of_fixes(Rows& rows, const FrameRange& range) {
+  TimeReader reader(unit_of_times(rows, "time"));
+  std::vector<int64_t> times;
+  for (size_t row = 0; rows.next(); ++row)
+    if (frame_in_range(range, row))
+      times.push_back(reader.read(rows.location(), rows.text("time")));
+  return times;
+}
+
 void read_fixes_in_order(Rows& rows, const FrameRange& range, Trajectory& found) {
-  TimeReader times(unit_of_times(rows, "time"));
   for (size_t row = 0; rows.next(); ++row) {
     const auto pose = fix_pose(rows);
     if (!frame_in_range(range, row)) continue;
     found.poses.push_back(pose);
     found.lines.push_back(rows.line());
-    if (rows.has("time")) found.times_ns.push_back(times.read(rows.location(), rows.text("time")));
   }
 }
 
@@ -243,7 +251,7 @@ Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, boo
   return found;
 }
 
-Trajectory read_fixes(const fs::path& path, std::optional<size_t> frames) {
+Trajectory read_fixes(const fs::path& path, std::optional<size_t> frames, bool needs_times) {
   const FileStart start = open_start(path);
   if (start.is_folder)
     throw Error(ErrorKind::usage,
@@ -252,20 +260,20 @@ Trajectory read_fixes(const fs::path& path, std::optional<size_t> frames) {
                 path.string());
   if (!is_gps_header(start.header)) {
     if (start.layout != nullptr && start.layout->has("lat"))
-      return read_layout(path, *start.layout, /*with_times=*/true);
+      return read_layout(path, *start.layout, needs_times);
     refuse_convertible(start.path, start.bytes);
     throw Error(ErrorKind::data, "{}: is not a CSV with latitudes and longitudes{}", path.string(),
                 is_pose_header(start.header) ? "; its positions are in meters" : "");
   }
   const SequenceArgument source = parse_sequence_argument(path.string());
   Rows rows(source.path, path.string(),
-            {.columns = {"lat", "lon", "frame", "image", "time", "heading", "floor"},
+            {.columns = {"lat", "lon", "frame", "image", "time", "heading", "floor", "n/s", "e/w"},
              .needed = 2,
              .has_others = true});
   if (rows.has("frame")) {
     if (is_pose_header(rows.header()))
       rows.fail("has positions in meters (x, y) and latitudes; remove the columns x and y");
-    return read_pose_csv(path, frames);
+    return read_pose_csv(path, frames, needs_times);
   }
   check_degrees(rows);
   Trajectory found;
@@ -274,6 +282,11 @@ Trajectory read_fixes(const fs::path& path, std::optional<size_t> frames) {
   found.has_floors = rows.has("floor");
   read_fixes_in_order(rows, source.range, found);
   read_names(rows, source.range, found);
+  try {
+    if (rows.has("time")) found.times_ns = times_of_fixes(rows, source.range);
+  } catch (const Error& error) {
+    if (needs_times || error.kind() != ErrorKind::data) throw;
+  }
   return found;
 }
 

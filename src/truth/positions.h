@@ -76,16 +76,17 @@ Trajectory read_pose_csv(const std::filesystem::path& path,
 /// heading, in degrees. Degrees have a decimal point, and longitudes are from -180 to 360. A line
 /// belongs to
 /// - the frame in its column `frame`;
-/// - or the image in its column `image` (or another column of names, as read_names finds it);
+/// - or the image in its column `image` (or another column of names, by choose_names);
 /// - or the time in its column `time` (or timestamp), as numbers or as dates (UTC by default);
 /// - otherwise line i belongs to frame i.
 /// A line with neither latitude nor longitude, or with 0 for both, has no pose. `frames`: the
-/// number of frames of the sequence, if known, for lines with frame numbers. A range after the path
+/// number of frames of the sequence, if known, for lines with frame numbers. `needs_times`: times
+/// that cannot be read are refused, not omitted. A range after the path
 /// selects lines, or frames by their numbers. Throws Error(input) if a file cannot be read;
 /// Error(data), with the line, if it is damaged, and for degrees that are radians (all latitudes
 /// within pi / 2 and longitudes within pi) unless the header names their unit.
 Trajectory read_fixes(const std::filesystem::path& path,
-                      std::optional<size_t> frames = std::nullopt);
+                      std::optional<size_t> frames = std::nullopt, bool needs_times = true);
 
 /// The pose of the fix in the current row, on the earth; nullopt without a fix.
 std::optional<Pose> fix_pose(const Rows& rows);

@@ -168,7 +168,7 @@ std::optional<int64_t> parse_calendar_time(std::string_view text) {
   const std::chrono::year_month_day date{std::chrono::year(number(1)),
                                          std::chrono::month(static_cast<unsigned>(number(3))),
                                          std::chrono::day(static_cast<unsigned>(number(4)))};
-  if (number(1) < 1900 || number(1) > 2200 || !date.ok() || number(5) > 23 || number(7) > 59 ||
+  if (number(1) < 1900 || number(1) > 2115 || !date.ok() || number(5) > 23 || number(7) > 59 ||
       number(8) > 60 || zone_hours > 15 || number(12) > 59)
     return std::nullopt;
   const std::chrono::sys_seconds local =

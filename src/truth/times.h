@@ -44,7 +44,7 @@ size_t nearest_time(std::span<const int64_t> times, int64_t time);
 
 /// Nanoseconds since 1970 for "2024-05-01T12:34:56[.789][Z|+02:00]" (ISO 8601; a blank may replace
 /// the T), UTC without a time zone. Digits below nanoseconds are truncated; the second may be 60.
-/// Nullopt for other text and for times before 1900 or after 2200.
+/// Nullopt for other text and for times before 1900 or after 2115.
 std::optional<int64_t> parse_calendar_time(std::string_view text);
 
 /// Throws Error(data): times must increase, but `time` is not after `before`.

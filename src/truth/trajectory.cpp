@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -38,7 +40,8 @@ constexpr double kFixDifference = 1;
 Trajectory read_any(const std::filesystem::path& path) {
   const FileStart start = open_start(path);
   if (is_pose_table(start.header)) return read_pose_csv(path, {}, /*with_times=*/true);
-  if (start.is_folder || is_gps_header(start.header)) return read_fixes(path);
+  if (start.is_folder || is_gps_header(start.header))
+    return read_fixes(path);
   if (start.layout != nullptr) return read_layout(path, *start.layout, true);
   refuse_convertible(start.path, start.bytes);
   if (const std::string hint = columns_hint(start); !hint.empty())
@@ -138,12 +141,23 @@ void remove_unknown(Trajectory& trajectory) {
   trajectory.lines.clear();  // lines of removed poses are no longer valid
 }
 
-// The poses of the frames that the lines name; nullopt if the names are other texts, so that pose i
-// belongs to frame i.
-std::optional<Poses> poses_by_name(const Trajectory& trajectory, const SideOptions& side,
-                                   const NameReader& reader) {
+bool is_number(const std::string& text) { return parse_real(text) && no_number_hint(text).empty(); }
+
+// The number of cells that name frames; 0 unless most of them do or, for numbers, all do and
+// differ.
+size_t count_names(const FrameNames& frames, const std::vector<std::string>& column) {
+  const auto is_name = [&](const std::string& cell) { return frames.find(cell).has_value(); };
+  const auto count = static_cast<size_t>(std::ranges::count_if(column, is_name));
+  if (2 * count <= column.size()) return 0;
+  if (std::ranges::none_of(column, is_number)) return count;
+  const std::set<std::string> different(column.begin(), column.end());
+  return count == column.size() && different.size() == count ? count : 0;
+}
+
+// The poses of the frames that the lines name.
+Poses poses_by_name(const Trajectory& trajectory, const SideOptions& side,
+                    const NameReader& reader) {
   const std::optional<FrameNames> names = find_names(reader);
-  if (!names && !trajectory.has_certain_names) return std::nullopt;
   if (!names)
     throw Error(ErrorKind::usage,
                 "{}: names its frames, such as {}. Pass their images with --{}-images FOLDER",
@@ -155,7 +169,6 @@ std::optional<Poses> poses_by_name(const Trajectory& trajectory, const SideOptio
   const bool must_have_all = !side.files.images.empty();
   const auto count = static_cast<size_t>(std::ranges::count_if(
       trajectory.names, [&](const std::string& name) { return names->find(name).has_value(); }));
-  if (!trajectory.has_certain_names && 2 * count <= trajectory.names.size()) return std::nullopt;
   if (count == 0 && !must_have_all)
     throw Error(ErrorKind::data, "{}: no line names a frame of the sequence; the first names {}",
                 trajectory.name, trajectory.names.front());
@@ -171,6 +184,29 @@ std::optional<Poses> poses_by_name(const Trajectory& trajectory, const SideOptio
 }
 
 }  // namespace
+
+void choose_names(Trajectory& trajectory, const NameReader& reader) {
+  const auto columns = std::exchange(trajectory.name_columns, {});
+  if (columns.empty() || trajectory.poses.size() < 2) return;
+  std::optional<FrameNames> frames;
+  try {
+    frames = find_names(reader);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
+  }
+  size_t most = 0;
+  for (const auto& column : columns) {
+    const size_t count = frames ? count_names(*frames, column) : 0;
+    if (count <= most) continue;
+    most = count;
+    trajectory.names = column;
+  }
+  const auto are_images = [](const auto& column) {
+    return 2 * std::ranges::count_if(column, is_frame_name) > std::ssize(column);
+  };
+  const auto images = std::ranges::find_if(columns, are_images);
+  if (most == 0 && images != columns.end()) trajectory.names = *images;
+}
 
 size_t count_unknown(const Poses& poses) {
   return static_cast<size_t>(std::ranges::count_if(poses, [](const auto& pose) { return !pose; }));
@@ -297,7 +333,8 @@ Trajectory read_trajectory(const std::filesystem::path& path, const std::filesys
   flatten(found, plane);
   const bool has_own_times = !found.times_ns.empty();
   if (!times.empty()) add_times(found, times, times.string());
-  if (found.has_certain_names && !has_own_times)
+  choose_names(found, {});
+  if (!found.names.empty() && !has_own_times)
     throw Error(ErrorKind::usage,
                 "{}: names its frames in any order. Write one pose per frame, in their order",
                 path.string());
@@ -378,9 +415,9 @@ Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Tra
   const SideOptions side = side_options(argument, pose_side);
   const TruthSide& files = side.files;
   const NameReader reader = names_of_side(files, names);
-  if (files.times.empty() && !trajectory.names.empty())
-    if (auto poses = poses_by_name(trajectory, side, reader)) return std::move(*poses);
   if (files.times.empty()) {
+    choose_names(trajectory, reader);
+    if (!trajectory.names.empty()) return poses_by_name(trajectory, side, reader);
     const GroundTruthOptions& options = argument.options;
     const bool has_times = !options.query.times.empty() || !options.train.times.empty();
     if (!files.pose_times.empty() || files.offset_s || (options.max_difference_s && !has_times))

@@ -80,11 +80,17 @@ struct Trajectory {
   std::vector<int64_t> times_ns = {};  ///< one per pose, or empty if the file has no times
   /// Names of the poses' frames, or empty if the file has none.
   std::vector<std::string> names = {};
-  bool has_certain_names = false;  ///< false: of a column that may have other texts
-  bool is_on_earth = false;        ///< positions are those of earth_position()
-  bool has_heights = true;         ///< false: a CSV without a column z
-  bool has_floors = false;         ///< a CSV with a column floor
+  /// Columns that may have names (choose_names), each with a cell per pose.
+  std::vector<std::vector<std::string>> name_columns = {};
+  bool is_on_earth = false;  ///< positions are those of earth_position()
+  bool has_heights = true;   ///< false: a CSV without a column z
+  bool has_floors = false;   ///< a CSV with a column floor
 };
+
+/// Chooses the names from the columns that may have them: the column that names the most frames, at
+/// least half of its cells, or each of them for numbers; otherwise one of names of image files.
+/// `reader`: of the names of the frames; null: unknown.
+void choose_names(Trajectory& trajectory, const NameReader& reader);
 
 /// Warns of consecutive poses that are more than 1 km apart: their coordinates are not meters,
 /// other columns, or zeros instead of unknown poses.

@@ -218,7 +218,7 @@ TEST_CASE("16-bit video is scaled by the range of its frames") {
   write_coded(path, {"ffv1", format, fill}, even_times(3));
   const Reading reading(path);
   const auto gray = [&](size_t frame, int at) {
-    return double{reading.images.at(frame).at<uint8_t>(at, at)};
+    return static_cast<double>(reading.images.at(frame).at<uint8_t>(at, at));
   };
   CHECK(gray(0, 1) == Approx(0).margin(1));    // 27000
   CHECK(gray(0, 0) == Approx(90).margin(1));   // 27055, of 155
