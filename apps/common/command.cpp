@@ -120,14 +120,6 @@ std::string last_sections(const std::string& example) {
   return fmt::format("{}:\n{}\n\n{}:\n{}", kExampleSection, example, kExitCodeSection, kExitCodes);
 }
 
-void write_to_stdout(const std::string& text) {
-  const bool written =
-      std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-  if (!written)
-    throw Error(ErrorKind::output, "standard output: cannot be written: {}",
-                system_error_text(errno));
-}
-
 // JSON contains names unchanged, except on a terminal.
 void print_json(ProgressLine& progress, const std::string& text) {
   progress.clear();
@@ -145,12 +137,10 @@ constexpr std::array kOutputs = {
 struct Inputs {
   Outputs& outputs;
 
-  // Only the frames of a folder are inputs.
+  // With its frames, but not with other files of their folder.
   void add_sequence(const SequenceArgument& argument) {
     std::error_code error;
     outputs.protect(argument.path);
-    const bool is_list = argument.path.extension() == ".txt" || argument.path.extension() == ".lst";
-    if (!is_list && !fs::is_directory(argument.path, error)) return;
     if (fs::exists(argument.path / kManifestName, error)) {
       for (const auto& entry : fs::directory_iterator(argument.path, error))
         outputs.protect(entry.path());

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/text.h"
+#include "progress.h"
 #include "query/result_file.h"
 
 namespace vpr {
@@ -351,7 +353,12 @@ bool Parser::parse(int argc, char** argv) {
     app_->parse(std::vector(words.rbegin(), words.rend()));
     return true;
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app_->exit(error), false;  // -h, --help, --version
+    if (error.get_exit_code() == 0) {  // -h, --help, --version
+      std::ostringstream text;
+      app_->exit(error, text, text);
+      write_to_stdout(text.str());
+      return false;
+    }
     const std::vector<std::string> extra = app_->remaining(true);
     if (!extra.empty() && extra.front().empty())
       throw Error(ErrorKind::usage, "an argument is empty. Is a variable of the shell unset?");

@@ -8,6 +8,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "base/error.h"
 #include "base/text.h"
 
 namespace vpr {
@@ -80,6 +81,14 @@ double ProgressLine::seconds_left(double share) const {
   const double gone = share - first_share_;
   if (elapsed_s < kLeastSeconds || gone < kLeastShare || share >= 1) return -1;
   return elapsed_s / gone * (1 - share);
+}
+
+void write_to_stdout(const std::string& text) {
+  const bool written =
+      std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+  if (!written)
+    throw Error(ErrorKind::output, "standard output: cannot be written: {}",
+                system_error_text(errno));
 }
 
 void write_to_stderr(const std::string& text) {

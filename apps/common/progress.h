@@ -15,6 +15,9 @@ namespace vpr {
 std::string progress_text(const std::string& step, size_t done, size_t total, double seconds_left,
                           size_t width);
 
+/// Throws Error(output).
+void write_to_stdout(const std::string& text);
+
 /// Writes to stderr. A failure, as on a full disk, changes nothing else.
 void write_to_stderr(const std::string& text);
 

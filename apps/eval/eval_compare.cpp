@@ -108,9 +108,6 @@ void claim_outputs(const Session& session, const CompareInputs& inputs) {
 }
 
 void run_compare(Session& session, const CompareInputs& inputs) {
-  constexpr double kMostRank = 1e7;
-  for (const size_t k : inputs.settings.recall_at)
-    require_range("recall_at", static_cast<double>(k), 1, kMostRank);
   claim_outputs(session, inputs);
   const Stopwatch watch;
   std::vector<Report> reports;

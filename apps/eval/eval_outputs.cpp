@@ -89,17 +89,16 @@ std::vector<int64_t> recorded_times(const EvalRun& run, const Evaluated& evaluat
   return run.recorded_fps ? even_times(frames, *run.recorded_fps) : std::vector<int64_t>{};
 }
 
-// The times of frames at a simulated speed are unknown.
+// Times of the recorded frames, unknown at a simulated speed.
 FrameTimes times_of(const EvalRun& run, const Evaluated& evaluated,
                     const GroundTruthOptions& options) {
   const Sequence& query = evaluated.evaluation.query();
   const bool is_recorded = query.selection.speed.empty();
-  const auto times_ns = is_recorded        ? recorded_times(run, evaluated, options)
-                        : run.recorded_fps ? even_times(query.frames, *run.recorded_fps)
-                                           : std::vector<int64_t>{};
+  const auto times_ns =
+      is_recorded ? recorded_times(run, evaluated, options) : std::vector<int64_t>{};
   FrameTimes times{{}, !times_ns.empty()};
   for (size_t frame = 0; frame < query.frames; ++frame) {
-    const size_t source = is_recorded ? query.selection.source_of(frame) : frame;
+    const size_t source = query.selection.source_of(frame);
     times.texts.push_back(times_ns.empty() ? fmt::format("{:.6f}", static_cast<double>(source))
                                            : time_text(times_ns[source]));
   }

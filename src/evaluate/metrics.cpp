@@ -377,11 +377,12 @@ Localization localize(std::span<const Verdict> verdicts, std::span<const double>
   found.incorrect =
       static_cast<size_t>(std::count(verdicts.begin(), verdicts.end(), Verdict::incorrect));
   const bool has_meters = !traveled_m.empty();
+  uint64_t gap_frames = 0;
   double gap_m = 0;
   size_t gap_begin = 0;  // first frame after the last correct recognition
   double last_correct_m = has_meters ? traveled_m.front() : 0;
   const auto end_gap = [&](size_t end, double here_m) {
-    found.longest_gap_frames = std::max(found.longest_gap_frames, end - gap_begin);
+    gap_frames = std::max<uint64_t>(gap_frames, end - gap_begin);
     if (has_meters) gap_m = std::max(gap_m, here_m - last_correct_m);
   };
   for (size_t frame = 0; frame < verdicts.size(); ++frame) {
@@ -398,6 +399,7 @@ Localization localize(std::span<const Verdict> verdicts, std::span<const double>
     last_correct_m = here_m;
   }
   end_gap(verdicts.size(), has_meters ? traveled_m.back() : 0);
+  found.longest_gap_frames = gap_frames;
   if (has_meters) found.longest_gap_m = gap_m;
   return found;
 }

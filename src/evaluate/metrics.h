@@ -138,8 +138,9 @@ struct Localization {
   uint64_t frames_with_match = 0;  ///< in the ground truth; set by judge
   uint64_t correct = 0;
   uint64_t incorrect = 0;
-  uint64_t off_map = 0;                 ///< of the incorrect ones, without a match; set by judge
-  uint64_t longest_gap_frames = 0;      ///< consecutive frames without a correct recognition
+  uint64_t off_map = 0;  ///< of the incorrect ones, without a match; set by judge
+  std::optional<uint64_t> longest_gap_frames;  ///< consecutive frames without a correct
+                                               ///< recognition; unset: some frames are omitted
   std::optional<double> longest_gap_m;  ///< traveled between two correct recognitions; the ends of
                                         ///< the path count as verdicts here
   std::optional<uint64_t> first_recognition_frames;  ///< frames before the decision on the first

@@ -61,6 +61,7 @@ void restrict_to(Report& report, const std::vector<size_t>& frames) {
   report.frames.localization = localize(verdicts, {});
   report.frames.localization.frames_with_match = report.counts.best_match.frames;
   report.frames.localization.off_map = off_map;
+  report.frames.localization.longest_gap_frames.reset();
   report.frames.localization.first_recognition_frames.reset();
   report.metrics.curves = {numbers_of(single_best_curve(report.frames.outcomes)), {}, {}, {}};
   report.metrics.recall_achievement = {};
@@ -168,6 +169,9 @@ std::string ComparisonReport::frames() const {
 }
 
 void compare_reports(ComparisonReport& comparison, const Monitor& monitor) {
+  constexpr double kMostRank = 1e7;
+  for (const size_t k : comparison.settings.recall_at)
+    require_range("recall_at", static_cast<double>(k), 1, kMostRank);
   // Reports have the first correct rank of each query, so that any K is known.
   for (Report& report : comparison.reports)
     for (const size_t k : comparison.settings.recall_at)

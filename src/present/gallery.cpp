@@ -338,6 +338,10 @@ FrameSources recorded_frames(const GroundTruthScope& scope, const StoredResult* 
     return images_checksum(source) == sum;
   });
   if (stored->result.places) return sources;
+  if (is_loop(stored->result.settings)) {
+    sources.references.assign(scope.sequences.size(), sources.query);
+    return sources;
+  }
   const SequenceDatabase database = recorded_training(context);
   size_t first = 0;
   for (size_t s = 0; s < std::min(scope.sequences.size(), database.sequences.size()); ++s) {

@@ -86,26 +86,26 @@ std::string best_match_words(const Evaluation& evaluation) {
 }
 
 // "; 412 of the 639 accepted window pairs are incorrect". Empty if none is, and if each frame has a
-// single pair, by which it is judged. With labels, only labeled pairs count.
-std::string incorrect_pairs_text(const FrameCounts& counts, bool has_places, bool has_labels) {
+// single pair, by which it is judged. With answers, only pairs of places with an answer count.
+std::string incorrect_pairs_text(const FrameCounts& counts, bool has_places, bool has_answers) {
   const auto& [path, pairs] = counts;
   if (pairs.incorrect == 0 || pairs.all() == path.recognized) return "";
   return fmt::format("; {} of the {} accepted {}{} {} incorrect", pairs.incorrect,
-                     has_labels ? pairs.correct + pairs.incorrect : pairs.all(),
-                     has_labels ? "labeled " : "",
+                     has_answers ? pairs.correct + pairs.incorrect : pairs.all(),
+                     has_answers ? "labeled " : "",
                      has_places ? "pairs of a frame and a place" : "window pairs",
                      pairs.incorrect == 1 ? "is" : "are");
 }
 
 std::string pair_words(const Evaluation& evaluation) {
-  if (!evaluation.result) return "";
+  // Labels of frames are of few pairs around them, so most of the labeled pairs are correct.
+  if (!evaluation.result || !evaluation.truth.asked.empty()) return "";
   const bool by_places = evaluation.judgment.by == JudgedBy::places;
   const Counts& counts = evaluation.result->counts;
   const LabelCounts& pairs =
       by_places ? counts.recognitions_by_place.value_or(LabelCounts{}) : counts.recognitions;
   return incorrect_pairs_text({evaluation.judgment.localization, pairs},
-                              evaluation.result->result->places.has_value(),
-                              by_places || !evaluation.truth.asked.empty());
+                              evaluation.result->result->places.has_value(), by_places);
 }
 
 // "17 of 111 frames recognized, 3 of them incorrectly".

@@ -302,8 +302,9 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
                           const Monitor& monitor, const Result* known,
                           const SequenceArgument* images) {
   constexpr double kSameSpeed = 1.2;  // and its inverse
-  const bool is_known = known != nullptr &&
-                        settings_in_force(settings) == settings_in_force(default_filter(settings));
+  const bool is_default =
+      settings_in_force(settings) == settings_in_force(default_filter(settings));
+  const bool is_known = known != nullptr && is_default;
   const Result forward =
       is_known ? *known : filtered(database, query, settings, resources, monitor);
   if (needs_advice(forward)) {
@@ -330,7 +331,7 @@ std::string filter_advice(const SequenceDatabase& database, const DescriptorSet&
     if (std::string text =
             selection_advice(database, query, settings, forward, resources, monitor, images);
         !text.empty())
-      return text;
+      return text + (is_default ? "" : " This needs default settings (--method filter).");
     if (kFewest * recognized_windows(forward) < frames) {
       if (images != nullptr)
         if (std::string text = crop_advice(database, query, *images, settings, resources, monitor);

@@ -95,7 +95,7 @@ struct Result {
   std::optional<ResultPath> path;            ///< of the filter
   std::optional<ResultKeyframes> keyframes;  ///< nullopt without a typical distance
   std::optional<ResultPlaces> places;        ///< of FAB-MAP
-  /// Of loops, by query frame: the number of frames (places) of the last sequence, from the first
+  /// Loops: by query frame, the number of frames (places) of the last sequence, from the first
   /// on, that it was compared with.
   std::vector<uint32_t> past;
 

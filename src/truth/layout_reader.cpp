@@ -266,8 +266,8 @@ class LayoutReader {
   size_t unequal_ = 0;  // quaternions of another length than 1
 };
 
-// Whether a cell is no name, also not a time: a negative number, or one with a point and few digits
-// before it.
+// Whether a cell is a number that names neither a frame nor its time: a negative one, or one with a
+// point and few digits before it.
 bool is_measurement(std::string_view cell) {
   constexpr size_t kClock = 10;  // digits of seconds since 1970
   return parse_real(cell) &&

@@ -63,7 +63,7 @@ const Layout* detect_layout(const FileStart& start);
 std::string columns_hint(const FileStart& start);
 
 /// Fills the names of the poses' frames from the column image or, without it, the columns that may
-/// have them: all that are no coordinates.
+/// have them: all but coordinates.
 void read_names(Rows& rows, const FrameRange& lines, Trajectory& trajectory);
 
 /// Reads a trajectory. A layout with a column frame has one pose per frame number, others one per

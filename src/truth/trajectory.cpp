@@ -40,8 +40,7 @@ constexpr double kFixDifference = 1;
 Trajectory read_any(const std::filesystem::path& path) {
   const FileStart start = open_start(path);
   if (is_pose_table(start.header)) return read_pose_csv(path, {}, /*with_times=*/true);
-  if (start.is_folder || is_gps_header(start.header))
-    return read_fixes(path);
+  if (start.is_folder || is_gps_header(start.header)) return read_fixes(path);
   if (start.layout != nullptr) return read_layout(path, *start.layout, true);
   refuse_convertible(start.path, start.bytes);
   if (const std::string hint = columns_hint(start); !hint.empty())

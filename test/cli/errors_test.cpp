@@ -104,8 +104,9 @@ TEST_CASE("mistakes are refused with their exit code and one sentence, and write
 
 TEST_CASE("numbers may begin with a point or a plus, or have an exponent") {
   start_with(make_short_walks);
-  run_ok(kQueryShort + " --c-l 5 --t-r .5");
-  run_ok(kQueryShort + " --c-l +5 --t-r 5e-1 --force");
+  const Json settings = printed_json(kQueryShort + " --c-l 5 --t-r 0.5 --json")["settings"];
+  for (const std::string numbers : {" --c-l 5 --t-r .5", " --c-l +5 --t-r 5e-1"})
+    CHECK(printed_json(kQueryShort + numbers + " --json --force")["settings"] == settings);
 }
 
 TEST_CASE("an existing output is refused before any work, and replaced with --force") {

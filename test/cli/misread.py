@@ -390,6 +390,117 @@ def loops_of_arrays():
     refused(2, "bits.npy: the rows have no times", *loops, "9s")
 
 
+def columns_of_names():
+    """Positions whose lines name the frames of a folder in any column, and not in the order of the folder."""
+    (folder / "ids").mkdir()
+    ids = [str(497 * i * i % 10007 + 10 ** 14) for i in range(1, 41)]
+    for name in ids:
+        write(f"ids/{name}.jpg", "")
+    assert ids != sorted(ids) and len(set(ids)) == 40
+    texts = [f"{7919 * i % 10007:x}x" for i in range(40)]
+    columns = {"id": ids, "image_id": ids, "timestamp": ids, "uuid,photo_file": [f"{a},{b}.jpg" for a, b in zip(texts, ids)],
+               "date,picture": [f"{1 + i % 28:02}.03.2020 12:{i:02}:00,{name}.jpg" for i, name in enumerate(ids)],
+               "picture": ["", *(f"{name}.jpg" for name in ids[1:])], "photo": ["NA", "NA", *(f"{name}.jpg" for name in ids[2:])]}
+    for position in ("lat,lon", "x,y,z"):
+        at = (lambda i: f"{55 + i * 1e-4:.7f},12.5") if position == "lat,lon" else (lambda i: f"{10 * i},0,0")
+        for column, cells in columns.items():
+            lines = [f"{cell},{at(i)}\n" for i, cell in enumerate(cells)]
+            write("named.csv", f"{column},{position}\n" + "".join(lines))
+            write("ordered.csv", f"{position}\n" + "".join(f"{at(i)}\n" for i in sorted(range(40), key=lambda i: ids[i])))
+            run("vpr-eval", "convert", "named.csv", "--ground-truth-train", "ordered.csv", "--query", "ids", "--train", "ids",
+                "--radius", 2, "--to", "pairs", "-o", "named.pairs.csv", "--force")
+            pairs = [line.split(",") for line in (folder / "named.pairs.csv").read_text().splitlines()[1:]]
+            known = [pair for pair in pairs if pair[2] == "same"] if len(pairs[0]) > 2 else pairs
+            missing = sum(not cell or cell == "NA" for cell in cells)
+            assert len(known) == 40 - missing and all(query == train for query, train, *_ in known), (column, position, known[:3])
+    # Counters of lines and other numbers do not name frames.
+    write("idx.csv", "idx,speed,x,y,z\n" + "".join(f"{i},{i % 7},{10 * i},0,0\n" for i in range(40)))
+    assert same_pairs("idx.csv", "--ground-truth-train", "idx.csv", "--radius", 2, "--query", "ids", "--train", "ids") == 40
+    write("times.csv", "time,image\n" + "".join(f"{1588149425 + i},{name}\n" for i, name in enumerate(ids)))
+    tum = write("walk.tum", "".join(f"{1588149425 + i} {i} 0 0 0 0 0 1\n" for i in range(40)))
+    refused(4, "is not later than", "vpr-eval", "check", tum, "--ground-truth-train", tum, "--query-times", "times.csv", "--train-times",
+            "times.csv", "--query", "ids", "--train", "ids", "--radius", 0.1)
+
+
+def units_of_positions():
+    circle = [(500 * np.cos(a), 500 * np.sin(a)) for a in np.linspace(0, 2 * np.pi, 60)]
+    degrees = [(42.293 + y / 111080, -83.7096 + x / 82340) for x, y in circle]
+    for name, more in (("leica", ",270"), ("nclt", ",270,0,0,0"), ("euroc", ",270,1,0,0,0")):
+        write(f"{name}.degrees.csv", "".join(f"{1588149425000000000 + i * 10 ** 8},{a:.9f},{b:.9f}{more}\n"
+                                             for i, (a, b) in enumerate(degrees)))
+        refused(4, "latitudes and longitudes", "vpr-eval", "check", f"{name}.degrees.csv", "--ground-truth-train",
+                f"{name}.degrees.csv", "--radius", 60)
+    greenwich = [(51.478 + y / 111252, x / 69300) for x, y in circle]
+    write("signed.csv", "lat,lon\n" + "".join(f"{a:.7f},{b:.7f}\n" for a, b in greenwich))
+    write("letters.csv", "LATITUDE,N/S,LONGITUDE,E/W\n" + "".join(f"{a:.7f},N,{abs(b):.7f},{'W' if b < 0 else 'E'}\n"
+                                                                   for a, b in greenwich))
+    near = ("--ground-truth-train", "signed.csv", "--radius", 60)
+    assert same_pairs("letters.csv", *near) == same_pairs("signed.csv", *near) == 184
+    # A time that is not needed.
+    write("clock.csv", "time,lat,lon\n" + "".join(f"08:37:{i:02},{a:.7f},{b:.7f}\n" for i, (a, b) in enumerate(greenwich)))
+    assert same_pairs("clock.csv", *near) == 184
+    # Units in words, and numbers of frames before times.
+    for head in ("Timestamp[nanosec]", "timestamp_nanoseconds", "time (nsec)"):
+        write("named.times", f"{head}\n" + "".join(f"{10 ** 12 + i * 5 * 10 ** 7}\n" for i in range(40)))
+        run("vpr-train", "images", "--train", "walk", "-o", "timed.vprdb", "--force", "--quiet")
+        query = ("vpr-query", "timed.vprdb", "--query", "again", "--query-times", "named.times", "--fps", 5, "--c-l", 1, "--t-r", 0.3)
+        assert json.loads(run(*query, "--json"))["query"]["frames"] == 10, head
+    write("mono.times", "".join(f"{i:05} {1439226105 + i * 0.05:.6f} 0.5\n" for i in range(1, 41)))
+    refused(4, "its first column counts 1, 2, 3", *query[:5], "mono.times", *query[6:])
+
+
+def gaps_of_loops():
+    """Frames that a loop query did not compare are ignored, whatever states the gap, and also after the places of a database."""
+    laps = sorted((folder / "walk").iterdir()) + sorted((folder / "again").iterdir())
+    write("laps.csv", "".join(f"{path}\n" for path in laps))
+    write("laps.times", "".join(f"{i}\n" for i in range(80)))
+    revisits = write("revisits.csv", "query,reference\n" + "".join(f"{i + 40},{i}\n" for i in range(40)))
+    loops = ("vpr-query", "loops", "--query", "laps.csv", "--c-l", 1, "--score", "zscore", "--t-r", -2, "--force", "--gap")
+    found = []
+    for gap in ((30,), ("30s", "--frame-times", "laps.times")):
+        run(*loops, *gap, "-o", "laps.json")
+        report = printed_json("vpr-eval", "laps.json", "--ground-truth", revisits, "--tolerance", 2)
+        found.append((report["metrics"]["single_best"], report["localization"]))
+    assert found[0] == found[1] and found[0][1]["frames_with_match"] == 40, found
+    ok(call("vpr-eval", "laps.json", "--ask-places", "laps.html"))
+    run("vpr-train", "fabmap", "--pretrain", "walk@1::2", "--train", "walk@0:20", "--features", "orb", "--words", 50, "-o",
+        "bags.vprdb", "--quiet")
+    run("vpr-query", "loops", "bags.vprdb", "--query", "again", "--gap", 10, "--t-p", 0.5, "-o", "bags.json")
+    report = printed_json("vpr-eval", "bags.json", "--ground-truth",
+                          write("places.csv", "query,reference\n" + "".join(f"{i},{i}\n" for i in range(20))))
+    assert report["localization"]["frames_with_match"] == 20 and report["metrics"]["recall_at"]["1"] > 0.7, report["metrics"]
+
+
+def frames_of_lists():
+    write("walk.csv", "".join(f"{path}\n" for path in sorted((folder / "walk").iterdir())))
+    before = (folder / "walk/000005.png").read_bytes()
+    refused(2, "walk/000005.png", "vpr-query", "w.vprdb", "--query", "walk.csv", "--c-l", 5, "--t-r", 0.4, "--save-matrix",
+            "walk/000005.png", "--force")
+    assert (folder / "walk/000005.png").read_bytes() == before
+    write("gone.txt", "".join(f"gone/{i}.png\n" for i in range(9)))
+    sides = ("--query", "gone.txt", "--train", "gone.txt")
+    assert same_pairs(write("gone.csv", "query,reference\n" + "".join(f"gone/{i}.png,gone/{i}.png\n" for i in range(9))), *sides) == 9
+
+
+def common_frames():
+    """Gaps between frames that all methods judge say nothing about the path."""
+    scores = np.eye(40) + 0.1
+    np.save(folder / "all.npy", scores)
+    scores[10:30] = np.nan
+    np.save(folder / "some.npy", scores)
+    for name in ("all", "some"):
+        run("vpr-eval", "matrix", f"{name}.npy", "--similarity", "--threshold", 0.5, "--ground-truth", "aligned", "-o",
+            f"{name}.json", "--quiet")
+    compared = lambda *more: [one["localization"].get("longest_gap_frames")
+                              for one in printed_json("vpr-eval", "compare", "all.json", "some.json", *more)["reports"]]
+    assert compared() == [0, 20] and compared("--common") == [None, None], (compared(), compared("--common"))
+
+
+def full_output():
+    with open("/dev/full", "w") as full:
+        assert subprocess.run([programs / "vpr-eval", "--help"], stdout=full, stderr=subprocess.DEVNULL).returncode == 3
+
+
 def shrinking_array():
     """An array that another program rewrites while it is read."""
     rows = np.random.default_rng(1).standard_normal((200000, 128)).astype(np.float32)
@@ -418,4 +529,10 @@ columns_of_scores()
 arrays()
 flags_without_effect()
 loops_of_arrays()
+columns_of_names()
+units_of_positions()
+gaps_of_loops()
+frames_of_lists()
+common_frames()
+full_output()
 shrinking_array()

@@ -169,8 +169,9 @@ TEST_CASE("a path begins where it advances, with three keyframes at its first pl
   CHECK(first_frame([](size_t view) { return view; }) == 0);
   CHECK(first_frame([](size_t view) { return view / 2; }) == 0);
   CHECK(first_frame([](size_t view) { return view < 12 ? 0 : view - 11; }) == 9);
-  CHECK(first_frame([](size_t view) { return view < 9 ? 6 + view % 2 : view - 8; }) == 9);
-  // A stop on the way is no beginning.
+  // A step back to place 1, before which eight keyframes are traced back to it.
+  CHECK(first_frame([](size_t view) { return view < 9 ? 6 + view % 2 : view - 8; }) == 6);
+  // A stop on the way does not begin a path.
   CHECK(first_frame(
             [](size_t view) { return view < 16 ? view : std::max<size_t>(15, view - 8); }) == 0);
 }

@@ -210,8 +210,8 @@ TEST_CASE("interpolated frames on both sides are named, with the step from the r
   CHECK(has(all, "Train with PATH@::3, and query PATH@::3."));
   const std::string half = found(2);
   INFO(half);
-  CHECK(half.starts_with("With every second frame of both sides, "));
-  CHECK(half.ends_with("Train with PATH@::4, and query PATH@::4."));
+  CHECK(half.starts_with("With every third training frame, "));
+  CHECK(half.ends_with("Train with PATH@::6."));
 }
 
 TEST_CASE("without a match of any window, none is compared with a limit") {
