@@ -7,8 +7,8 @@ The CSV has one line per image in the order of the frames, with the columns imag
 if images have them, heading and time (seconds since 1970). Use it with --ground-truth and
 --query-images photos, and with --query-times for the times. Fields are empty if an image has no
 position: no tags, 0 N 0 E, or a receiver without a fix. The time is the time of the camera's clock in
-its time zone, or else of the GPS fix, which is UTC. A clock without a time zone is corrected by its
-median difference from the GPS times, rounded to 15 minutes; without GPS times, it is read as UTC.
+its time zone, or else of the GPS fix, which is UTC. A clock without a time zone is corrected by the
+GPS times; without them, it is read as UTC.
 Needs python3-pil.
 """
 import csv
@@ -94,10 +94,11 @@ def known_times(fixes, clocks):
     """The times of the images, and how far clocks without a time zone are ahead (None: unknown).
 
     Times of fixes are often integers and may be minutes old, so they only correct the clocks: by the latest
-    fix, or to a time zone, if there is one fix or the difference is one.
+    fix within 15 minutes of the median, or to a time zone, if there is one fix or the difference is one.
     """
     used = [(clock[0] - fix, fix) for fix, clock in zip(fixes, clocks) if fix is not None and clock and not clock[1]]
-    ahead = min(used)[0] if used else None
+    middle = sorted(used)[(len(used) - 1) // 2][0] if used else 0
+    ahead = min((late for late, _ in used if late >= middle - 900), default=None)
     zone = 900 * round((ahead or 0) / 900)
     if used and (len({fix for _, fix in used}) == 1 or abs(ahead - zone) < 2):
         ahead = zone

@@ -44,10 +44,9 @@ Json read_json(const std::filesystem::path& path, ErrorKind kind) {
 }
 
 std::string schema_name(std::string_view kind) {
-  constexpr std::array<std::string_view, 7> kOfReports = {
-      "report", "reports", "comparison", "comparisons", "expected", "sweep", "tuning"};
-  const bool is_of_reports = std::ranges::find(kOfReports, kind) != kOfReports.end();
-  return fmt::format("vpr.{}/{}", kind, is_of_reports ? 5 : kind == "result" ? 4 : 3);
+  constexpr std::array<std::string_view, 8> kNewer = {
+      "result", "report", "reports", "comparison", "comparisons", "expected", "sweep", "tuning"};
+  return fmt::format("vpr.{}/{}", kind, std::ranges::find(kNewer, kind) != kNewer.end() ? 5 : 3);
 }
 
 void require_schema(const Json& json, std::string_view schema_kind, const std::string& where,

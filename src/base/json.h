@@ -38,8 +38,7 @@ std::optional<Json> parse_json(std::string_view text);
 /// Reads a whole file. Throws Error(input) if it cannot be read, Error(kind) if it is not JSON.
 Json read_json(const std::filesystem::path& path, ErrorKind kind);
 
-/// "vpr.<kind>/5" for reports and what is made from them, "vpr.result/4" for results, and
-/// "vpr.<kind>/3" for other files.
+/// "vpr.<kind>/5" for results, reports and what is made from them, "vpr.<kind>/3" for other files.
 std::string schema_name(std::string_view kind);
 
 /// Checks `"schema"` against schema_name. Otherwise throws Error(error_kind), which says whether

@@ -218,6 +218,7 @@ size_t begin_of_path(const PathTrack& track) {
   const auto& recent = track.recent;
   if (recent.back().length > recent.size()) return 0;
   const size_t ahead = track.settings.path_keyframes / 2;
+  const int64_t advance = std::min(kHeadAdvance, static_cast<int64_t>(3 * ahead / 8));
   const size_t settled = recent.size() - open_keyframes(track);
   const auto step = [&](size_t from, size_t to) {
     return static_cast<int64_t>(recent[to].cell) - static_cast<int64_t>(recent[from].cell);
@@ -231,7 +232,7 @@ size_t begin_of_path(const PathTrack& track) {
   for (size_t k = settled; k-- > first + 1;)
     if (is_below(step(k - 1, k), -int64_t{kLongestStep})) first = k;
   while (first < settled && first + ahead < recent.size() &&
-         is_below(step(first, first + ahead), kHeadAdvance))
+         is_below(step(first, first + ahead), advance))
     ++first;
   size_t last = first;  // at the first place
   while (last + 1 < settled && is_below(step(first, last + 1), 1)) ++last;

@@ -58,7 +58,8 @@ struct PathTrack {
 /// The path may recognize its frames in the last path_keyframes * 3 / 2 + 1 keyframes; until it has
 /// been established for as many, in all of `recent`, from the keyframe on at which it begins: it
 /// advances by at least 3 places over the next path_keyframes / 2, after the last step of more than
-/// kLongestStep places backward, and has at most 3 keyframes at its first place.
+/// kLongestStep and at most near_keyframes places backward, and has at most 3 keyframes at its
+/// first place.
 void follow_keyframe(PathTrack& track, const FilterState& state, size_t query_frame,
                      const std::function<uint32_t(size_t cell)>& distance_to);
 

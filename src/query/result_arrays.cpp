@@ -421,7 +421,7 @@ void read_arrays(const fs::path& path, const FileEntries& entries, const JsonSou
     const std::string name = array.name + std::string(".npy");
     const auto entry = entries.find(array.name);
     if (entry == entries.end()) {
-      if (array.values(result)) source.fail(fmt::format("it has no {}; run vpr-query again", name));
+      if (array.values(result)) source.fail(fmt::format("it has no {}", name));
       return;
     }
     const Refuse refuse = [&](std::string_view damage) {

@@ -149,8 +149,9 @@ std::vector<int64_t> read_time_list(const std::filesystem::path& path, const Nam
           "or \"time_ms\"");
     const auto number = parse_number<int64_t>(cells[0]);
     if (i == 0) first_frame = number;
-    are_frames = are_frames && cells.size() >= 2 && number && first_frame <= 1 &&
-                 *number == *first_frame + static_cast<int64_t>(i) && unit_of_time(cells[1]);
+    are_frames = are_frames && cells.size() >= 2 && cells.size() <= 3 && number &&
+                 first_frame <= 1 && *number == *first_frame + static_cast<int64_t>(i) &&
+                 unit_of_time(cells[1]);
     are_integers = are_integers && cells.size() == 2 && number && parse_number<int64_t>(cells[1]) &&
                    unit_of_time(cells[0]) == TimeUnit::seconds;
     const std::string_view image = rows.text("image");

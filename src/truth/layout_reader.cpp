@@ -283,10 +283,12 @@ void read_names(Rows& rows, const FrameRange& lines, Trajectory& trajectory) {
     return;
   }
   static const std::vector<std::string_view> kPoseColumns = {
-      "x", "y", "z", "qx", "qy", "qz", "qw", "lat", "lon", "heading", "floor", "score"};
+      "x",   "y",   "z",       "qx",    "qy",    "qz",  "qw",
+      "lat", "lon", "heading", "floor", "score", "sec", "nsec"};
   const auto may_have_names = [&](size_t column) {
     const std::string& name = rows.header()[column];
-    return !is_measurement(rows.cells()[column]) &&
+    const std::string_view cell = rows.cells()[column];
+    return !name.empty() && !is_measurement(cell) && !parse_calendar_time(cell) &&
            std::ranges::none_of(kPoseColumns, [&](std::string_view known) {
              return parse_column_name(name, known).has_value();
            });

@@ -251,7 +251,7 @@ std::string read_trajectories(GroundTruthBuilder& builder) {
         read_layout(options.poses, *find_layout(format), !options.files.times.empty());
     require_equal(options.poses, "z", have_heights, found.has_heights);
     if (options.files.times.empty())
-      choose_names(found, names_of_side(options.files, names_of(builder, side)));
+      choose_names(found, names_of_side(options.files, names_of(builder, side)), builder.monitor());
     if (found.names.empty()) warn_of_steps(found, builder.monitor());
     // Frames without a line at the end of a file that numbers them.
     if (found.lines.empty() && count.known() && found.poses.size() < *count.known())
@@ -270,7 +270,7 @@ std::string read_gps(GroundTruthBuilder& builder) {
     const SideOptions options = side_options(argument, side);
     Trajectory found = read_fixes(options.poses, count.known(), !options.files.times.empty());
     if (options.files.times.empty())
-      choose_names(found, names_of_side(options.files, names_of(builder, side)));
+      choose_names(found, names_of_side(options.files, names_of(builder, side)), builder.monitor());
     require_equal(options.poses, "floor", have_floors, found.has_floors);
     require_one_per_frame(found, options, count);
     Poses poses =

@@ -41,14 +41,23 @@ double read_degrees(const Rows& rows, std::string_view column, std::string_view 
   return *value;
 }
 
+// Whether a letter, if there is one, says that the latitude is south or the longitude west.
+bool is_negative(const Rows& rows, std::string_view column) {
+  const std::string letter = lower_case(std::string(rows.text(column)));
+  const bool is_other = letter == column.substr(2);  // "n/s", "e/w"
+  if (!letter.empty() && !is_other && letter != column.substr(0, 1))
+    rows.fail("the letter \"{}\" of its column {} is unknown", rows.text(column), column);
+  return is_other;
+}
+
 // Nullopt if both cells are missing, or 0: the receiver had no fix.
 std::optional<Geographic> read_fix(const Rows& rows) {
   const std::string_view latitude = rows.text("lat");
   const std::string_view longitude = rows.text("lon");
   if (is_missing(latitude) && is_missing(longitude)) return std::nullopt;
   Geographic place{read_degrees(rows, "lat", "latitude"), read_degrees(rows, "lon", "longitude")};
-  if (rows.text("n/s") == "S") place.latitude_deg = -std::abs(place.latitude_deg);
-  if (rows.text("e/w") == "W") place.longitude_deg = -std::abs(place.longitude_deg);
+  if (is_negative(rows, "n/s")) place.latitude_deg = -std::abs(place.latitude_deg);
+  if (is_negative(rows, "e/w")) place.longitude_deg = -std::abs(place.longitude_deg);
   if (place.latitude_deg == 0 && place.longitude_deg == 0) return std::nullopt;
   if (std::abs(place.latitude_deg) > 90)
     rows.fail("the latitude {} is beyond 90 degrees{}", latitude,

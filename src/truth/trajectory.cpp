@@ -140,17 +140,42 @@ void remove_unknown(Trajectory& trajectory) {
   trajectory.lines.clear();  // lines of removed poses are no longer valid
 }
 
-bool is_number(const std::string& text) { return parse_real(text) && no_number_hint(text).empty(); }
+// A column of cells that may be names; empty: missing.
+using NameColumn = std::vector<std::string>;
 
-// The number of cells that name frames; 0 unless most of them do or, for numbers, all do and
-// differ.
-size_t count_names(const FrameNames& frames, const std::vector<std::string>& column) {
-  const auto is_name = [&](const std::string& cell) { return frames.find(cell).has_value(); };
-  const auto count = static_cast<size_t>(std::ranges::count_if(column, is_name));
-  if (2 * count <= column.size()) return 0;
-  if (std::ranges::none_of(column, is_number)) return count;
-  const std::set<std::string> different(column.begin(), column.end());
-  return count == column.size() && different.size() == count ? count : 0;
+bool has_numbers(const NameColumn& column) {
+  return std::ranges::any_of(column, [](const std::string& cell) {
+    return parse_real(cell) && no_number_hint(cell).empty();
+  });
+}
+
+// Whether numbers increase, as counters and times do, so that they are in the order of the frames.
+bool is_increasing(const NameColumn& column) {
+  std::optional<double> last;
+  return std::ranges::all_of(column, [&](const std::string& cell) {
+    const auto value = parse_real(cell);
+    const bool is_later = value && (!last || *value > *last);
+    last = value;
+    return is_later;
+  });
+}
+
+bool are_different(const NameColumn& column) {
+  std::set<std::string_view> seen;
+  return std::ranges::all_of(
+      column, [&](const std::string& cell) { return cell.empty() || seen.insert(cell).second; });
+}
+
+// The number of frames that cells name; 0 unless more than half of the cells do or, for numbers,
+// each names another frame and they are in another order.
+size_t count_names(const FrameNames& frames, const NameColumn& column) {
+  std::set<size_t> named;
+  for (const std::string& cell : column)
+    if (const auto frame = cell.empty() ? std::nullopt : frames.find(cell)) named.insert(*frame);
+  const bool are_names = has_numbers(column)
+                             ? named.size() == column.size() && !is_increasing(column)
+                             : 2 * named.size() > column.size();
+  return are_names ? named.size() : 0;
 }
 
 // The poses of the frames that the lines name.
@@ -172,7 +197,7 @@ Poses poses_by_name(const Trajectory& trajectory, const SideOptions& side,
     throw Error(ErrorKind::data, "{}: no line names a frame of the sequence; the first names {}",
                 trajectory.name, trajectory.names.front());
   for (size_t i = 0; must_have_all && i < trajectory.names.size(); ++i)
-    if (const std::string& name = trajectory.names[i]; !names->find(name))
+    if (const std::string& name = trajectory.names[i]; !name.empty() && !names->find(name))
       FileLocation{trajectory.name, "line", trajectory.lines[i]}.fail(
           "{} has no image {}, or several", side.files.images.string(), name);
   Poses poses;
@@ -184,24 +209,33 @@ Poses poses_by_name(const Trajectory& trajectory, const SideOptions& side,
 
 }  // namespace
 
-void choose_names(Trajectory& trajectory, const NameReader& reader) {
+void choose_names(Trajectory& trajectory, const NameReader& reader, const Monitor& monitor) {
   const auto columns = std::exchange(trajectory.name_columns, {});
-  if (columns.empty() || trajectory.poses.size() < 2) return;
+  if (trajectory.poses.size() < 2) return;
+  const auto may_be_names = [](const NameColumn& column) {
+    return are_different(column) && !(has_numbers(column) && is_increasing(column));
+  };
   std::optional<FrameNames> frames;
   try {
     frames = find_names(reader);
   } catch (const Error& error) {
-    if (error.kind() != ErrorKind::input) throw;
+    if (error.kind() != ErrorKind::input || std::ranges::any_of(columns, may_be_names)) throw;
   }
   size_t most = 0;
-  for (const auto& column : columns) {
+  for (const NameColumn& column : columns) {
     const size_t count = frames ? count_names(*frames, column) : 0;
     if (count <= most) continue;
     most = count;
     trajectory.names = column;
   }
-  const auto are_images = [](const auto& column) {
-    return 2 * std::ranges::count_if(column, is_frame_name) > std::ssize(column);
+  if (most > 0 && has_numbers(trajectory.names))
+    warn(monitor,
+         "{}: {} is read as the name of frame {}, because every cell of its column is a name. If "
+         "line i belongs to frame i, remove the column",
+         trajectory.name, trajectory.names.front(), *frames->find(trajectory.names.front()));
+  const auto are_images = [](const NameColumn& column) {
+    return are_different(column) &&
+           2 * std::ranges::count_if(column, is_frame_name) > std::ssize(column);
   };
   const auto images = std::ranges::find_if(columns, are_images);
   if (most == 0 && images != columns.end()) trajectory.names = *images;
@@ -332,7 +366,7 @@ Trajectory read_trajectory(const std::filesystem::path& path, const std::filesys
   flatten(found, plane);
   const bool has_own_times = !found.times_ns.empty();
   if (!times.empty()) add_times(found, times, times.string());
-  choose_names(found, {});
+  choose_names(found, {}, {});
   if (!found.names.empty() && !has_own_times)
     throw Error(ErrorKind::usage,
                 "{}: names its frames in any order. Write one pose per frame, in their order",
@@ -415,7 +449,6 @@ Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Tra
   const TruthSide& files = side.files;
   const NameReader reader = names_of_side(files, names);
   if (files.times.empty()) {
-    choose_names(trajectory, reader);
     if (!trajectory.names.empty()) return poses_by_name(trajectory, side, reader);
     const GroundTruthOptions& options = argument.options;
     const bool has_times = !options.query.times.empty() || !options.train.times.empty();
@@ -441,6 +474,7 @@ Poses poses_of_side(const GroundTruthArgument& argument, PoseSide pose_side, Tra
 Trajectory read_train_poses(const std::filesystem::path& path, const GroundTruthOptions& options,
                             const NameReader& names, const Monitor& monitor) {
   Trajectory read = read_any(path);
+  if (options.train.times.empty()) choose_names(read, names_of_side(options.train, names), monitor);
   Trajectory found{.name = read.name, .is_on_earth = read.is_on_earth};
   found.poses =
       poses_of_side({"", {}, 0, options}, PoseSide::train, std::move(read), names, monitor);

@@ -87,10 +87,11 @@ struct Trajectory {
   bool has_floors = false;   ///< a CSV with a column floor
 };
 
-/// Chooses the names from the columns that may have them: the column that names the most frames, at
-/// least half of its cells, or each of them for numbers; otherwise one of names of image files.
-/// `reader`: of the names of the frames; null: unknown.
-void choose_names(Trajectory& trajectory, const NameReader& reader);
+/// Chooses the names from the columns that may have them: the column that names the most frames, by
+/// more than half of its cells. Numbers are names only if each names another frame, and they do not
+/// increase, with a warning. Otherwise one of names of image files. `reader`: of the names of the
+/// frames; null: unknown. Throws what it throws, if a column may have names.
+void choose_names(Trajectory& trajectory, const NameReader& reader, const Monitor& monitor);
 
 /// Warns of consecutive poses that are more than 1 km apart: their coordinates are not meters,
 /// other columns, or zeros instead of unknown poses.

@@ -124,14 +124,14 @@ TEST_CASE("errors distinguish schemas of another kind and of another version") {
       require_schema(Json{{"schema", schema}}, "result", "r.json", ErrorKind::data);
     });
   };
-  CHECK(text("vpr.result/4").empty());
-  for (const char* other : {"vpr.result/2", "vpr.result/5"})
+  CHECK(text("vpr.result/5").empty());
+  for (const char* other : {"vpr.result/2", "vpr.result/6"})
     CHECK(text(other) ==
           fmt::format("r.json: has schema {}, written by another version of the program "
-                      "(this one reads vpr.result/4). Run the command that wrote it "
+                      "(this one reads vpr.result/5). Run the command that wrote it "
                       "again",
                       other));
-  CHECK(text("vpr.report/5") == "r.json: expected schema vpr.result/4, found vpr.report/5");
+  CHECK(text("vpr.report/5") == "r.json: expected schema vpr.result/5, found vpr.report/5");
   CHECK(error_kind([] { require_schema(Json(3), "result", "r", ErrorKind::data); }) ==
         ErrorKind::data);
 }

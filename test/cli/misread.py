@@ -413,7 +413,22 @@ def columns_of_names():
             known = [pair for pair in pairs if pair[2] == "same"] if len(pairs[0]) > 2 else pairs
             missing = sum(not cell or cell == "NA" for cell in cells)
             assert len(known) == 40 - missing and all(query == train for query, train, *_ in known), (column, position, known[:3])
+    # A folder that is gone, texts that repeat, and two columns of names.
+    moved = ("--ground-truth-train", "ordered.csv", "--query", "gone", "--train", "gone", "--radius", 2)
+    refused(3, "gone: no such folder", "vpr-eval", "check", "named.csv", *moved)
+    same = sorted(ids)
+    shots = [f"{name}.jpg" for name in (same[:1] + same)[:40]]
+    write("shots.csv", "previous,current,x,y,z\n" + "".join(f"{a},{b}.jpg,{10 * i},0,0\n" for i, (a, b) in enumerate(zip(shots, same))))
+    write("takes.csv", "take,x,y,z\n" + "".join(f"{i % 3}.jpg,{10 * i},0,0\n" for i in range(40)))
+    for name in ("shots", "takes"):
+        assert same_pairs(f"{name}.csv", "--ground-truth-train", f"{name}.csv", "--query", "ids", "--train", "ids", "--radius", 2) == 40
     # Counters of lines and other numbers do not name frames.
+    (folder / "numbers").mkdir()
+    for i in range(40):
+        write(f"numbers/{i}.jpg", "")
+    write("seconds.csv", "time,x,y,z\n" + "".join(f"{i},{10 * i},0,0\n" for i in range(0, 40, 4)))
+    refused(4, "is for 10 query frames", "vpr-eval", "check", "seconds.csv", "--ground-truth-train", "seconds.csv", "--query", "numbers",
+            "--train", "numbers", "--radius", 2)
     write("idx.csv", "idx,speed,x,y,z\n" + "".join(f"{i},{i % 7},{10 * i},0,0\n" for i in range(40)))
     assert same_pairs("idx.csv", "--ground-truth-train", "idx.csv", "--radius", 2, "--query", "ids", "--train", "ids") == 40
     write("times.csv", "time,image\n" + "".join(f"{1588149425 + i},{name}\n" for i, name in enumerate(ids)))
@@ -447,6 +462,10 @@ def units_of_positions():
         assert json.loads(run(*query, "--json"))["query"]["frames"] == 10, head
     write("mono.times", "".join(f"{i:05} {1439226105 + i * 0.05:.6f} 0.5\n" for i in range(1, 41)))
     refused(4, "its first column counts 1, 2, 3", *query[:5], "mono.times", *query[6:])
+    write("second.tum", "".join(f"{i} {i} 0 0 0 0 0 1\n" for i in range(40)))
+    assert json.loads(run(*query[:5], "second.tum", "--fps", 0.5, *query[8:], "--json"))["query"]["frames"] == 20
+    write("letters.csv", "lat,n/s,lon,e/w\n1,X,2,E\n")
+    refused(4, 'the letter "X"', "vpr-eval", "check", "letters.csv", *near)
 
 
 def gaps_of_loops():

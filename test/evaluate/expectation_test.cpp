@@ -100,7 +100,7 @@ TEST_CASE("expectations that cannot fail, or cannot be met, are usage errors") {
       R"({"schema": "vpr.expected/5", "counts": {"distinct": {"min": 3, "max": 2}}})",
       R"({"schema": "vpr.expected/5", "counts": {"distinct": {"min": 3, "value": 3}}})",
       R"({"schema": "vpr.expected/5", "counts": {"distinct": {"min": 3, "tolerance": 1}}})",
-      R"({"schema": "vpr.result/4", "counts": {"distinct": 3}})", R"({"schema": 3})");
+      R"({"schema": "vpr.result/5", "counts": {"distinct": 3}})", R"({"schema": 3})");
   CHECK(test::error_kind([&] { unmet(text); }) == ErrorKind::usage);
 }
 

@@ -176,6 +176,16 @@ TEST_CASE("a path begins where it advances, with three keyframes at its first pl
             [](size_t view) { return view < 16 ? view : std::max<size_t>(15, view - 8); }) == 0);
 }
 
+TEST_CASE("paths of few keyframes begin at once") {
+  for (const uint64_t keyframes : {0, 1, 2, 3, 6}) {
+    Places places;
+    places.track.settings.path_keyframes = keyframes;
+    for (size_t view = 0; view < 8; ++view) places.see(0, view, view, 4 * kScoreUnit);
+    INFO(keyframes);
+    CHECK(places.track.first_frame == places.track.recent.front().frame);
+  }
+}
+
 TEST_CASE("a path that is not established resumes after another one led for a while") {
   const auto interrupt = [](size_t seen, size_t keyframes, uint32_t evidence) {
     Places places;
