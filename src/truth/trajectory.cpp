@@ -153,6 +153,7 @@ bool has_numbers(const NameColumn& column) {
 bool is_increasing(const NameColumn& column) {
   std::optional<double> last;
   return std::ranges::all_of(column, [&](const std::string& cell) {
+    if (cell.empty()) return true;
     const auto value = parse_real(cell);
     const bool is_later = value && (!last || *value > *last);
     last = value;
