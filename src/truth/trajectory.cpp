@@ -212,7 +212,7 @@ Poses poses_by_name(const Trajectory& trajectory, const SideOptions& side,
 
 void choose_names(Trajectory& trajectory, const NameReader& reader, const Monitor& monitor) {
   const auto columns = std::exchange(trajectory.name_columns, {});
-  if (trajectory.poses.size() < 2) return;
+  if (columns.empty() || trajectory.poses.size() < 2) return;
   const auto may_be_names = [](const NameColumn& column) {
     return are_different(column) && !(has_numbers(column) && is_increasing(column));
   };
