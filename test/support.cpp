@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "base/random.h"
+#include "served.h"
 
 extern char** environ;
 
@@ -123,18 +124,16 @@ Words joined(Words words, const Words& more) {
   return words;
 }
 
-RunOutcome run_program(const std::string& program, const Words& arguments,
-                       const Words& environment) {
-  const TemporaryFolder folder;
-  const std::string out = folder / "out";
-  const std::string err = folder / "err";
+namespace {
+
+std::optional<int> run_spawned(Words words, const Words& environment, const std::string& out,
+                               const std::string& err) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   const int flags = O_WRONLY | O_CREAT | O_TRUNC;
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), flags, 0600);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), flags, 0600);
-  Words words = joined({program_path(program).string()}, arguments);
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -145,13 +144,28 @@ RunOutcome run_program(const std::string& program, const Words& arguments,
   for (std::string& variable : variables) envp.push_back(variable.data());
   envp.push_back(nullptr);
   pid_t child = 0;
-  RunOutcome outcome;
-  if (::posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), envp.data()) == 0) {
-    int status = 0;
-    ::waitpid(child, &status, 0);
-    outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  }
+  std::optional<int> status;
+  if (::posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), envp.data()) == 0)
+    ::waitpid(child, &status.emplace(), 0);
   posix_spawn_file_actions_destroy(&actions);
+  return status;
+}
+
+}  // namespace
+
+RunOutcome run_program(const std::string& program, const Words& arguments,
+                       const Words& environment) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  const std::string err = folder / "err";
+  const Words words = joined({program_path(program).string()}, arguments);
+  std::optional<int> status;
+  // Libraries read the environment when they are loaded.
+  if (environment.empty()) status = run_served(words, out, err);
+  if (!status) status = run_spawned(words, environment, out, err);
+  RunOutcome outcome;
+  if (status)
+    outcome.exit_code = WIFEXITED(*status) ? WEXITSTATUS(*status) : 128 + WTERMSIG(*status);
   outcome.out = read_text(out);
   outcome.err = read_text(err);
   return outcome;

@@ -28,7 +28,7 @@ class Worker:
         self.work = pathlib.Path(work)
         self.place = places.PLACES[kind](self.work)
         (self.work / "read").mkdir()
-        self.programs = programs.Programs(options.programs, options.shim)
+        self.programs = programs.Programs(options.programs)
 
     def run(self, line, *fault):
         return self.programs.run(line, self.work, *fault)

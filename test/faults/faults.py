@@ -40,7 +40,6 @@ def parse_options():
                         help="for scratch files (default: memory)")
     options = parser.parse_args()
     options.programs = options.programs.resolve()
-    options.shim = options.programs / "vpr_faults.so"
     return options
 
 

@@ -19,7 +19,8 @@ using Main = int (*)(int, char**, char**);
 
 constexpr int kRequests = STDIN_FILENO;
 constexpr int kAnswers = STDOUT_FILENO;
-constexpr unsigned int kMaxSeconds = 60;  // of one run
+constexpr size_t kWords = 7;              // strings of a request before the command line
+constexpr unsigned int kMaxSeconds = 60;  // of a run whose calls count
 
 Main program_main = nullptr;  // NOLINT
 
@@ -45,9 +46,9 @@ void write_all(int file, const void* bytes, size_t size) {
   }
 }
 
-/// A request: its size in 4 bytes, then zero-terminated strings: working folder, folder whose calls
-/// count, fault (its index in the enum), number of the call, whether renames are plain (0 or 1),
-/// and the command line.
+/// A request: its size in 4 bytes, then zero-terminated strings: working folder, files for stdout
+/// and stderr, folder whose calls count (or empty), fault (its index in the enum), number of the
+/// call, whether renames are plain (0 or 1), and the command line.
 bool read_request(std::vector<std::string>& texts) {
   uint32_t size = 0;
   if (!read_all(kRequests, &size, sizeof(size))) return false;
@@ -56,7 +57,7 @@ bool read_request(std::vector<std::string>& texts) {
   texts.clear();
   for (size_t at = 0; at < bytes.size(); at += texts.back().size() + 1)
     texts.emplace_back(bytes.c_str() + at);
-  return texts.size() > 5;
+  return texts.size() > kWords;
 }
 
 void redirect(int stream, const char* path, int flags) {
@@ -66,24 +67,27 @@ void redirect(int stream, const char* path, int flags) {
   ::close(file);
 }
 
-/// Runs in the child. Redirects its two streams to files in the working folder.
+/// Runs in the child.
 [[noreturn]] void run(std::vector<std::string>& texts, char** environment, Notes& notes) {
   if (::chdir(texts[0].c_str()) != 0) ::_exit(99);
   redirect(STDIN_FILENO, "/dev/null", O_RDONLY);
-  redirect(STDOUT_FILENO, "stdout", O_WRONLY | O_CREAT | O_TRUNC);
-  redirect(STDERR_FILENO, "stderr", O_WRONLY | O_CREAT | O_TRUNC);
+  redirect(STDOUT_FILENO, texts[1].c_str(), O_WRONLY | O_CREAT | O_TRUNC);
+  redirect(STDERR_FILENO, texts[2].c_str(), O_WRONLY | O_CREAT | O_TRUNC);
   std::vector<char*> arguments;
-  for (size_t i = 5; i < texts.size(); ++i) arguments.push_back(texts[i].data());
+  for (size_t i = kWords; i < texts.size(); ++i) arguments.push_back(texts[i].data());
   arguments.push_back(nullptr);
-  ::alarm(kMaxSeconds);
-  arm({texts[1], static_cast<Fault>(std::stoi(texts[2])), std::stoull(texts[3]), texts[4] == "1"},
-      notes);
+  if (!texts[3].empty()) {
+    ::alarm(kMaxSeconds);
+    arm({texts[3], static_cast<Fault>(std::stoi(texts[4])), std::stoull(texts[5]), texts[6] == "1"},
+        notes);
+  }
   std::exit(program_main(static_cast<int>(arguments.size() - 1), arguments.data(), environment));
 }
 
 /// An answer: the status of waitpid, the size of the notes, and the notes.
 int serve(int, char**, char** environment) {
-  ::unsetenv("LD_PRELOAD");  // does not apply to child programs
+  // Child programs and their messages are those of an ordinary run.
+  for (const char* name : {"LD_PRELOAD", "LD_BIND_NOW", "VPR_SERVED"}) ::unsetenv(name);
   void* const shared =
       ::mmap(nullptr, sizeof(Notes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (shared == MAP_FAILED) return 1;
@@ -115,6 +119,6 @@ extern "C" int __libc_start_main(faults::Main main, int argc, char** argv,
   static const auto next =
       reinterpret_cast<decltype(&__libc_start_main)>(::dlsym(RTLD_NEXT, "__libc_start_main"));
   faults::program_main = main;
-  return next(std::getenv("VPR_FAULTS") != nullptr ? faults::serve : main, argc, argv, init, fini,
+  return next(std::getenv("VPR_SERVED") != nullptr ? faults::serve : main, argc, argv, init, fini,
               rtld_fini, stack_end);
 }
