@@ -91,8 +91,10 @@ EvaluationSettings evaluation_settings(const EvalFlags& flags, const EvalRow& ro
     if (by.poses.empty() && !row.result.empty()) by.poses = query.sequence.poses.string();
   }
   const GroundTruthFlags& truth = flags.truth.flags;
-  const bool has_flags =
-      truth.tolerance_frames || !truth.format.empty() || !truth.options.reference.empty();
+  const GroundTruthOptions& options = truth.options;
+  const bool has_flags = truth.tolerance_frames || !truth.format.empty() ||
+                         !options.reference.empty() || options.radius_m || options.angle_deg ||
+                         options.ignore_radius_m || options.train_step;
   if (!by.ground_truth && (row.needs_truth || has_flags))
     throw Error(
         ErrorKind::usage,

@@ -126,6 +126,7 @@ void export_descriptors(const Session& session, const std::string& path, const s
   const std::string_view type = as_float ? npy_type<float>() : npy_type<uint8_t>();
   const std::vector<float> no_floats(columns, std::numeric_limits<float>::quiet_NaN());
   const std::vector<uint8_t> no_bytes(columns);
+  size_t zeros = 0;
   Output& output = session.outputs.file(file);
   output.write(npy_header(type, {store.rows().size(), columns}));
   for (const DescribedFrames& sequence : descriptor_spans(database)) {
@@ -133,6 +134,7 @@ void export_descriptors(const Session& session, const std::string& path, const s
     for (size_t i = 0; i < sequence.rows.size(); ++i) {
       const bool is_missing = unreadable != sequence.unreadable.end() && *unreadable == i;
       if (is_missing) ++unreadable;
+      zeros += is_missing && !as_float ? 1 : 0;
       const DescriptorRow row = sequence.rows[i];
       if (as_float)
         output.write(std::as_bytes(std::span(is_missing ? no_floats : as_floats(store, row))));
@@ -140,6 +142,9 @@ void export_descriptors(const Session& session, const std::string& path, const s
         output.write(std::as_bytes(is_missing ? std::span(no_bytes) : row.first(columns)));
     }
   }
+  if (zeros > 0)
+    warn(session.monitor, "{}: {} that cannot be decoded {} only zeros, which other programs match",
+         file, counted(zeros, "row"), zeros == 1 ? "has" : "have");
   session.print_result(fmt::format("{}: {} of {} values, {}\n", file,
                                    counted(store.rows().size(), "row"), columns, type),
                        database_json(database, session.run));

@@ -16,8 +16,8 @@ struct Role {
   std::string_view name;
   Quantity quantity;
   std::vector<std::string_view> others = {};
-  /// Names of other programs, in lower case, which count only if no column has a name above. One
-  /// that begins with a point is the end of a name, as in "field.pose.position.x".
+  /// Names of other programs, in lower case, which count only if no column has a name above or an
+  /// earlier one. One that begins with a point is the end of a name, as in "field.pose.position.x".
   std::vector<std::string_view> foreign = {};
 };
 
@@ -75,6 +75,8 @@ const std::vector<Role>& roles() {
        {"name", "file", "filename"},
        {"image_name", "image_path", "image_file", "image_filename", "img_name", "img_path",
         "file_name", "file_path", "frame_name", "filepath", "path", "img", "key", "photo"}},
+      {"n/s", Quantity::none, {}, {"gpslatituderef"}},
+      {"e/w", Quantity::none, {}, {"gpslongituderef"}},
       {"score", Quantity::none, {"distance", "similarity", "rank"}}};
   return kRoles;
 }
@@ -121,10 +123,11 @@ std::optional<ColumnName> parse_column_name(const std::string& cell, std::string
   const auto named = [&](std::string_view name,
                          std::optional<double> unit) -> std::optional<ColumnName> {
     if (name == column || std::ranges::count(role->others, name) > 0) return ColumnName{unit};
-    const bool is_foreign = std::ranges::any_of(role->foreign, [&](std::string_view other) {
+    const auto foreign = std::ranges::find_if(role->foreign, [&](std::string_view other) {
       return other.starts_with('.') ? name.ends_with(other) : name == other;
     });
-    return is_foreign ? std::optional(ColumnName{unit, true}) : std::nullopt;
+    if (foreign == role->foreign.end()) return std::nullopt;
+    return ColumnName{unit, 1 + static_cast<size_t>(foreign - role->foreign.begin())};
   };
   if (const auto name = named(text, std::nullopt)) return name;
   for (const Unit& unit : kUnits) {

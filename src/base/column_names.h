@@ -1,6 +1,7 @@
 // Names of columns in the headers of tables: what other programs call them, and their units.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,7 +13,7 @@ namespace vpr {
 /// A name in a header.
 struct ColumnName {
   std::optional<double> unit = {};  ///< in nanoseconds, meters or degrees; unset: not stated
-  bool is_foreign = false;          ///< counts only if no column has one of the usual names
+  size_t rank = 0;                  ///< 0: a usual name; of others, the lowest one counts
 };
 
 /// Nullopt if a cell of a header does not name the column, in any case, with or without a unit.

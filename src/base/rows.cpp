@@ -251,10 +251,13 @@ Rows::Rows(const std::filesystem::path& path, const std::string& name, const Row
   location_ = {name};
   const auto first = rows_.size() > 1 ? cells_of(0) : row_;
   header_.assign(first.begin(), first.end());
+  const auto is_named = [&](auto column) { return has_columns(header_, {column}); };
+  // The zone of a date may be "UTC", which is also the name of a column.
+  const bool begins_with_digit = !first.empty() && first[0].find_first_of("0123456789") == 0;
   const bool has_header =
       rules.needs_header ||
-      std::ranges::any_of(std::span(rules.columns).first(rules.needed),
-                          [&](auto column) { return has_columns(header_, {column}); });
+      (!begins_with_digit &&
+       std::ranges::any_of(std::span(rules.columns).first(rules.needed), is_named));
   if (has_header) {
     first_ = next_ = first.empty() ? 0 : 1;
     if (splitter.separator() == ' ' && rows_.size() > 2) join_names(cells_of(1).size());
@@ -291,17 +294,17 @@ void Rows::find_columns() {
   std::vector<bool> is_known(header_.size());
   for (size_t c = 0; c < rules_.columns.size(); ++c) {
     const std::string_view column = rules_.columns[c];
-    bool is_foreign = false;
+    size_t rank = 0;  // of the column that was found
     for (size_t i = 0; i < header_.size(); ++i) {
       const auto name = parse_column_name(header_[i], column);
-      if (!name || (name->is_foreign && has(column) && rules_.has_others)) continue;
+      if (!name || (has(column) && name->rank > rank && rules_.has_others)) continue;
       is_known[i] = true;
-      if (has(column) && is_foreign && rules_.has_others) found_.pop_back();
+      if (has(column) && name->rank < rank && rules_.has_others) found_.pop_back();
       if (has(column))
         fail("its header has two columns {}: \"{}\" and \"{}\". Remove or rename one", column,
              header_[find(column)->index], header_[i]);
       found_.push_back({column, i, name->unit});
-      is_foreign = name->is_foreign;
+      rank = name->rank;
     }
     if (c < rules_.needed && !has(column))
       fail("has no column {}. Expected {}", column, columns_text(rules_));

@@ -367,6 +367,11 @@ std::optional<PlaceLabel> answer_to(const Evaluation& evaluation, const QueryOut
 std::optional<Estimate> estimated_recall(const Evaluation& evaluation) {
   const BestMatchCounts counts = best_match_counts(evaluation.judgment.outcomes);
   if (!evaluation.truth.is_sample || counts.frames == 0 || counts.ignored > 0) return std::nullopt;
+  // The copies of a frame are not independent.
+  const Selection& selection = evaluation.judgment.layout.scope.query.selection;
+  if (std::ranges::adjacent_find(selection.sources, std::greater_equal()) !=
+      selection.sources.end())
+    return std::nullopt;
   return estimate_share(counts.correct, counts.frames);
 }
 

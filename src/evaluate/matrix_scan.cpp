@@ -77,7 +77,7 @@ void judge_row(QueryOutcome& query, ScanPart& part, std::span<const uint64_t> ke
   query.key = best.key;
   rank_correct_ones(query, part, keys);
   if (best.key == kNoScore) return;  // only ignored ones have scores
-  if (std::ranges::find(keys, kNoScore) != keys.end())
+  if (query.has_match && std::ranges::find(keys, kNoScore) != keys.end())
     part.known_ranks = std::min(part.known_ranks, ranked);
   part.pairs.worst_correct += labels[*worst] == PlaceLabel::same ? 1 : 0;
   query.best = match_of_column(layout, best.column);

@@ -59,7 +59,7 @@ struct Outcomes {
   std::vector<QueryOutcome> queries;  ///< one per query frame
   bool has_scores = true;             ///< false: best matches are known, but not how good they are
   bool has_ranks = false;             ///< from a matrix
-  /// The largest K for which the K best references of every frame with a best match are known.
+  /// The largest K for which the K best references of every frame with a match are known.
   size_t known_ranks = std::numeric_limits<size_t>::max();
   size_t unscored = 0;       ///< queries without any score; from a matrix only
   bool has_margins = false;  ///< from a result with margins

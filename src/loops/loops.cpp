@@ -235,10 +235,14 @@ LoopJudgment judge_loops(const LoopList& list, const Trajectory& trajectory,
   LoopJudgment judgment;
   judgment.has_loop = frames_with_loop(trajectory, rules);
   judgment.is_found.resize(judgment.has_loop.size());
-  std::set<std::pair<size_t, size_t>> seen;
+  std::map<std::pair<size_t, size_t>, size_t> seen;  // the judged loop of a pair
   for (const ListedLoop& loop : list.loops) {
-    if (!seen.emplace(loop.query, loop.match).second) {
+    const auto [found, is_new] = seen.try_emplace({loop.query, loop.match}, judgment.loops.size());
+    if (!is_new) {
       ++judgment.repeated;
+      ListedLoop& known = judgment.loops[found->second].loop;
+      if (loop.score && score_key(*loop.score, rules.order) < score_key(*known.score, rules.order))
+        known = loop;
       continue;
     }
     JudgedLoop judged{loop, std::sqrt(square_distance(*trajectory.poses[loop.query],

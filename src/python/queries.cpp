@@ -143,6 +143,7 @@ struct Distances {
   DatabasePointer database;
   DescriptorSet query;
   FrameDistances distances;
+  std::vector<uint8_t> readable;    ///< of each training frame: 1 or 0
   std::pair<size_t, size_t> shape;  ///< query frames, training frames
 
   py::array row(py::ssize_t index) const {
@@ -153,6 +154,8 @@ struct Distances {
     {
       const py::gil_scoped_release release;
       compute_row(distances, static_cast<size_t>((index + frames) % frames), values);
+      for (size_t i = 0; i < readable.size(); ++i)
+        if (readable[i] == 0) values[i] = std::numeric_limits<uint16_t>::max();
     }
     return py::array_t<uint16_t>(static_cast<py::ssize_t>(shape.second), values.data());
   }
@@ -168,6 +171,8 @@ std::shared_ptr<Distances> distances(Call& call, const DatabasePointer& database
   call.run([&](const Monitor& monitor) {
     made->query = describe_frames(open_sequence(query), sequences, false, monitor);
     made->distances = frame_distances(descriptor_spans(sequences), made->query.span());
+    made->readable =
+        readable_flags(readable_runs(made->distances.train), made->distances.train_frames);
     made->shape = {made->distances.query_frames, made->distances.train_frames};
   });
   return made;
@@ -205,7 +210,9 @@ void add_queries(py::module_& module) {
   py::class_<Distances, std::shared_ptr<Distances>>(
       module, "Distances",
       "Frame distances of a query to all training frames, computed on request: d[i] is the row of\n"
-      "query frame i, numpy.asarray(d) the matrix. Values are uint16; smaller is closer.")
+      "query frame i, numpy.asarray(d) the matrix. Values are uint16; smaller is closer, and 65535 "
+      "is\n"
+      "the distance to a training frame that cannot be decoded.")
       .def_static("__new__", refuse_new)
       .def("__len__", [](const Distances& self) { return self.shape.first; })
       .def("__getitem__", &Distances::row, py::call_guard<InCall>())

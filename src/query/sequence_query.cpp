@@ -9,7 +9,6 @@
 #include "query/prepare.h"
 #include "query/thresholds.h"
 #include "truth/frame_times.h"
-#include "truth/times.h"
 
 namespace vpr {
 namespace {
@@ -27,13 +26,7 @@ std::vector<int64_t> own_times(const SequenceSource& source, const std::string& 
     if (fps && !states_times(source)) return even_times(count_frames(source), *fps);
     if (source.is_one_array())
       throw Error(ErrorKind::data, "{}: the rows have no times", source.argument.path.string());
-    const std::vector<int64_t> times = read_frame_times(query, {}, monitor);
-    if (!states_times(source))
-      warn(monitor,
-           "{}: the names of its frames, {} to {}, are interpreted as seconds; if they count "
-           "frames, use --frame-times, or a gap in frames",
-           query, time_text(times.front()), time_text(times.back()));
-    return times;
+    return read_frame_times(query, {}, monitor);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::data) throw;
     throw Error(ErrorKind::usage,

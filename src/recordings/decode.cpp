@@ -8,6 +8,8 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
@@ -63,6 +65,28 @@ JpegScans jpeg_scans(std::string_view file) {
   return scans;
 }
 
+// OpenCV looks for an orientation only in the first segment APP1: removes others, such as XMP,
+// before the one with EXIF.
+void put_exif_first(std::string& jpeg) {
+  constexpr std::string_view kApp1("\xff\xe1", 2);
+  constexpr size_t kHead = 4;  // marker and length
+  constexpr std::string_view kExif("Exif\0\0", 6);
+  std::vector<std::pair<size_t, size_t>> others;  // begin and size
+  for (size_t at = 2; at + kHead <= jpeg.size() && jpeg[at] == '\xff' && jpeg[at + 1] != '\xda';) {
+    const size_t size =
+        2 + (size_t{static_cast<uint8_t>(jpeg[at + 2])} << 8 | static_cast<uint8_t>(jpeg[at + 3]));
+    if (jpeg.compare(at, kApp1.size(), kApp1) == 0) {
+      if (jpeg.compare(at + kHead, kExif.size(), kExif) == 0) {
+        for (auto other = others.rbegin(); other != others.rend(); ++other)
+          jpeg.erase(other->first, other->second);
+        return;
+      }
+      others.emplace_back(at, size);
+    }
+    at += size;
+  }
+}
+
 constexpr uint64_t kMillion = 1'000'000;
 
 std::atomic<uint64_t> most_megapixels{kDefaultMegapixels};
@@ -112,13 +136,21 @@ ssize_t pass_on(void*, const char* bytes, size_t size) {
   return static_cast<ssize_t>(done);
 }
 
+// As OpenCV scales PGM and PPM files that are text.
+void scale_to_white(cv::Mat& image, int largest) {
+  cv::Mat table(1, 256, CV_8U);
+  for (int value = 0; value < 256; ++value)
+    table.at<uint8_t>(value) = static_cast<uint8_t>(std::min(value * 255 / largest, 255));
+  cv::LUT(image, table, image);
+}
+
 // With 16 bits per channel if the file has them.
 cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
   const auto fail = [&](std::string_view why) {
     throw Error(ErrorKind::input, "{}: can't be decoded: {}. Remove it, or use --skip-unreadable",
                 path.string(), why);
   };
-  const std::string file = read_whole_file(path);
+  std::string file = read_whole_file(path);
   if (file.empty()) fail("the file is empty");
   if (!is_accepted_format(file))
     fail(fmt::format("it is not a JPEG, PNG, TIFF, BMP, PPM, PGM or WebP image{}",
@@ -130,6 +162,7 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
     const size_t end = file.rfind("\xff\xd9");
     if (scans.count == 0 || end == std::string::npos || end < scans.first)
       fail("the JPEG is truncated");
+    put_exif_first(file);
   }
   const ImageHeader header = read_image_header(file);
   check_frame_size(path, header.tile_width, header.tile_height);
@@ -166,6 +199,7 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
   if (image.empty() || (image.depth() != CV_8U && image.depth() != CV_16U))
     fail(fmt::format("it is damaged, or of a kind that OpenCV does not read{}{}",
                      header.kind.empty() ? "" : ": ", header.kind));
+  if (header.largest < 255) scale_to_white(image, header.largest);
   turn_upright(image, header.orientation);
   return in_format(image, format);
 }

@@ -106,6 +106,12 @@ NameOrder order_of_decimals(const std::vector<std::string>& names, const fs::pat
                 "{}: digits after the point may count, because {} ends in 0 and others are shorter "
                 "or longer, so the order of frames is unclear. {}",
                 folder.string(), *padded, kAdvice);
+  constexpr size_t kNanoseconds = 9;
+  if (lengths.size() > 1 && *lengths.rbegin() == kNanoseconds)
+    throw Error(ErrorKind::usage,
+                "{}: the digits after the point may be nanoseconds without leading zeros, because "
+                "there are {} to 9 of them, so the order of frames is unclear. {}",
+                folder.string(), *lengths.begin(), kAdvice);
   return decimal_less;
 }
 

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <map>
 #include <numeric>
+#include <set>
 
+#include <fmt/ranges.h>
 #include <oneapi/tbb/parallel_pipeline.h>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -37,6 +40,23 @@ void warn_of_sizes(const SequenceSource& sequence, const std::vector<cv::Size>& 
        sequence.argument.path.string(), std::count_if(first, sizes.end(), differs),
        counted(sizes.size(), "image"), first->width, first->height, name(first), name(other),
        other->width, other->height);
+}
+
+// Warns of a folder that has several images of each frame, such as 1.color.png and 1.depth.png.
+void warn_of_kinds(const SequenceSource& source, const Monitor& monitor) {
+  std::map<std::string, size_t> frames;
+  std::set<std::string> kinds;
+  for (const auto& file : source.files) {
+    const std::string name = file.filename().string();
+    const size_t point = name.find('.');
+    ++frames[name.substr(0, point)];
+    kinds.insert(name.substr(point));
+  }
+  const bool are_all =
+      std::ranges::all_of(frames, [&](const auto& frame) { return frame.second == kinds.size(); });
+  if (kinds.size() > 1 && are_all)
+    warn(monitor, "{}: has {} images of each frame: {}. To use one of them, pass a list of images",
+         source.argument.path.string(), kinds.size(), fmt::join(kinds, ", "));
 }
 
 // The number of images in subfolders that can be read and are not hidden; 0 for a list.
@@ -109,6 +129,7 @@ Sequence for_each_image(const SequenceSource& source, PixelFormat format, Unread
     warn(monitor, "{}: {} in its subfolders, which are not searched", source.argument.path.string(),
          counted(others, "image"));
   warn_of_sizes(source, sizes, first, monitor);
+  warn_of_kinds(source, monitor);
   return sequence;
 }
 

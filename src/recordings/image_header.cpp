@@ -62,23 +62,28 @@ bool has_pages(std::string_view file) {
 
 ImageHeader tiff_header(std::string_view file) {
   constexpr std::array kFormats = {"", "", "signed", "floating-point", "", "complex", "complex"};
+  constexpr uint64_t kAlpha = 2;  // OpenCV multiplies colors of 8 bits by it
   ImageHeader header;
   uint64_t format = 1;
   uint64_t bits = 1;
   uint64_t samples = 1;
   uint64_t photometric = 0;
+  uint64_t extra = 0;  // of a channel besides gray or color
   for_each_tag(file, [&](uint64_t tag, uint64_t value) {
     if (tag == 258) bits = value;
     if (tag == 262) photometric = value;
     if (tag == 277) samples = value;
     if (tag == 322) header.tile_width = value;
     if (tag == 323) header.tile_height = value;
+    if (tag == 338) extra = value;
     if (tag == 339) format = value;
   });
   if (format < kFormats.size()) header.unread = kFormats[format];
   if (header.unread.empty() && bits > 16) header.unread = fmt::format("{}-bit", bits);
   if (header.unread.empty() && bits > 8 && samples == 1 && photometric == 0)
     header.unread = "inverted (MINISWHITE)";
+  if (header.unread.empty() && (extra == kAlpha || (extra != 0 && samples == 2)))
+    header.unread = "transparent";
   header.has_pages = has_pages(file);
   header.kind = fmt::format("TIFF of {} bits and {} channels", bits, samples);
   header.is_16_bit = bits == 16 && header.unread.empty();
@@ -104,8 +109,9 @@ int webp_orientation(std::string_view file) {
   return orientation;
 }
 
-// "P2", "P3", "P5" or "P6", width, height and largest value, separated by blanks and comments.
-bool is_pnm_16(std::string_view file) {
+// The largest value, after "P2", "P3", "P5" or "P6", width and height, separated by blanks and
+// comments; 0 if damaged.
+uint64_t largest_of_pnm(std::string_view file) {
   size_t at = 2;
   uint64_t value = 0;
   for (int field = 0; field < 3; ++field) {
@@ -113,10 +119,20 @@ bool is_pnm_16(std::string_view file) {
            (std::isspace(static_cast<uint8_t>(file[at])) != 0 || file[at] == '#'))
       at = file[at] == '#' ? std::min(file.find('\n', at), file.size()) : at + 1;
     const auto [end, error] = std::from_chars(file.data() + at, file.data() + file.size(), value);
-    if (error != std::errc{}) return false;
+    if (error != std::errc{}) return 0;
     at = static_cast<size_t>(end - file.data());
   }
-  return value > 255;
+  return value;
+}
+
+// Whether a PNG is an animation: it has a chunk "acTL" before its pixels.
+bool is_animated(std::string_view file) {
+  const ByteReader reader{file};
+  for (uint64_t at = 8; at + 8 <= file.size(); at += 12 + reader.number(at, 4)) {
+    const std::string_view type = file.substr(at + 4, 4);
+    if (type == "acTL" || type == "IDAT") return type == "acTL";
+  }
+  return false;
 }
 
 }  // namespace
@@ -124,14 +140,19 @@ bool is_pnm_16(std::string_view file) {
 ImageHeader read_image_header(std::string_view file) {
   ImageHeader header;
   const ByteReader reader{file};
-  if (file.starts_with("II*") || file.starts_with("MM"))
+  if (file.starts_with("II*") || file.starts_with("MM")) {
     header = tiff_header(file);
-  else if (file.starts_with("\x89PNG"))
+  } else if (file.starts_with("\x89PNG")) {
     header.is_16_bit = reader.number(24, 1) == 16;
-  else if (file.starts_with("P"))
-    header.is_16_bit = is_pnm_16(file);
-  else if (file.starts_with("RIFF"))
+    header.has_pages = is_animated(file);
+  } else if (file.starts_with("P2") || file.starts_with("P3") || file.starts_with("P5") ||
+             file.starts_with("P6")) {
+    const uint64_t largest = largest_of_pnm(file);
+    header.is_16_bit = largest > 255;
+    if (largest > 0 && largest < 255 && file[1] >= '5') header.largest = static_cast<int>(largest);
+  } else if (file.starts_with("RIFF")) {
     header.orientation = webp_orientation(file);
+  }
   return header;
 }
 

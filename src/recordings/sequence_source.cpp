@@ -33,7 +33,11 @@ bool has_extension(const fs::path& path, std::span<const std::string_view> exten
   return std::ranges::find(extensions, lower_case(path.extension().string())) != extensions.end();
 }
 
-bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
+// Also the folder that macOS adds to ZIP files.
+bool is_hidden(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return name.starts_with('.') || name == "__MACOSX";
+}
 
 bool is_there(const fs::path& path) {
   std::error_code ignored;

@@ -169,10 +169,12 @@ class VideoReader::Decoder {
     const AVPixelFormat to = !is_wide  ? AV_PIX_FMT_BGR24
                              : is_gray ? AV_PIX_FMT_GRAY16
                                        : AV_PIX_FMT_BGR48;
+    const bool is_full = frame_->color_range == AVCOL_RANGE_JPEG && !is_wide;
+    if (is_full != std::exchange(is_full_, is_full)) scaler_.reset();
     scaler_.reset(sws_getCachedContext(scaler_.release(), width, height, from, width, height, to,
                                        SWS_BICUBIC, nullptr, nullptr, nullptr));
     if (!scaler_) return {};
-    if (frame_->color_range == AVCOL_RANGE_JPEG && !is_wide) set_full_range(*scaler_, from);
+    if (is_full) set_full_range(*scaler_, from);
     constexpr int kBlock = 32;  // vector code writes whole blocks
     cv::Mat rows(height, (width / kBlock + 1) * kBlock,
                  is_wide ? (is_gray ? CV_16UC1 : CV_16UC3) : CV_8UC3);
@@ -203,17 +205,19 @@ class VideoReader::Decoder {
   // The number of frames that are stored or, if the container does not count them, that the
   // duration suggests.
   double expected_frames() const {
-    if (stream_->nb_frames > 0) return static_cast<double>(stream_->nb_frames);
+    if (is_counted()) return static_cast<double>(stored_frames());
     return stated_seconds() * frames_per_second();
   }
 
   // 0: unknown.
   double stated_seconds() const {
-    if (file_->duration_estimation_method != AVFMT_DURATION_FROM_STREAM) return 0;
+    if (file_->duration_estimation_method != AVFMT_DURATION_FROM_STREAM ||
+        stored_frames() < stream_->nb_frames)
+      return 0;
     // AVI counts units of time, also those without a frame; without its index, FFmpeg's duration
     // ends with the file.
     const bool is_avi = std::string_view(file_->iformat->name) == "avi";
-    const int64_t duration = std::max(stream_->duration, is_avi ? stream_->nb_frames : 0);
+    const int64_t duration = std::max(stream_->duration, is_avi ? stored_frames() : 0);
     if (is_counted() && duration > 0)
       return static_cast<double>(duration) * av_q2d(stream_->time_base);
     return static_cast<double>(std::max<int64_t>(0, file_->duration)) / AV_TIME_BASE;
@@ -228,7 +232,13 @@ class VideoReader::Decoder {
 
  private:
   // Whether the container states the frames and duration of the video itself.
-  bool is_counted() const { return stream_->nb_frames > 0; }
+  bool is_counted() const { return stored_frames() > 0; }
+
+  // 0: unknown. An AVI that was written to a pipe has the largest number instead, more than bytes.
+  int64_t stored_frames() const {
+    const int64_t bytes = avio_size(file_->pb);
+    return bytes > 0 && stream_->nb_frames > bytes ? 0 : stream_->nb_frames;
+  }
 
   bool open_codec(size_t threads) {
     if (!file_ || avformat_find_stream_info(file_.get(), nullptr) < 0) return false;
@@ -300,6 +310,7 @@ class VideoReader::Decoder {
   Owned<AVPacket> packet_{av_packet_alloc()};
   Owned<AVFrame> frame_{av_frame_alloc()};
   Owned<SwsContext> scaler_;
+  bool is_full_ = false;  // the range that the scaler reads
   AVStream* stream_ = nullptr;
   int orientation_ = 1;
   bool has_image_ = false;

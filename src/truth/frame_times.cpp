@@ -42,6 +42,17 @@ int64_t even_time(size_t frame, double fps) {
   return std::llround(static_cast<double>(frame) * 1e9 / fps);
 }
 
+// Refuses a word after a date that changes it: AM, PM, or the name of a zone.
+void refuse_word_after_date(const Rows& rows, std::string_view word) {
+  const auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
+  constexpr size_t kLongest = 5;  // of names of zones
+  const std::string lower = lower_case(std::string(word));
+  if (lower == "am" || lower == "pm" ||
+      (word.size() >= 2 && word.size() <= kLongest && std::ranges::all_of(word, is_capital)))
+    rows.fail("\"{}\" after the date is not read. Write times of 24 hours, in UTC or with +hh:mm",
+              word);
+}
+
 // The time of the current row. Blanks between cells also split a date, its time of day and its
 // zone.
 std::string_view time_cell(const Rows& rows) {
@@ -52,7 +63,9 @@ std::string_view time_cell(const Rows& rows) {
     const std::string_view last = found[more];
     const std::string_view date(text.data(),
                                 static_cast<size_t>(last.data() + last.size() - text.data()));
-    if (parse_calendar_time(date)) return date;
+    if (!parse_calendar_time(date)) continue;
+    if (found + more + 1 < cells.end()) refuse_word_after_date(rows, found[more + 1]);
+    return date;
   }
   return text;
 }
@@ -91,7 +104,12 @@ std::optional<std::vector<int64_t>> times_by_name(const ListedTimes& listed,
   for (size_t frame = 0; frame < names.count(); ++frame) {
     if (!entries[frame]) FileLocation{file}.fail("has no time of {}", names.name(frame));
     const int64_t time = listed.times[*entries[frame]];
-    if (frame > 0 && time <= times.back())
+    if (frame > 0 && time == times.back())
+      FileLocation{file, "line", listed.lines[*entries[frame]]}.fail(
+          "{} has the same time as {}. If times are whole seconds, use the rate of the recording "
+          "instead, with --recorded-fps",
+          names.name(frame), names.name(frame - 1));
+    if (frame > 0 && time < times.back())
       FileLocation{file, "line", listed.lines[*entries[frame]]}.fail(
           "{} is not later than {}, which is before it in the sequence. Pass a list of the images "
           "in the order of their times",
@@ -190,8 +208,16 @@ std::vector<int64_t> read_frame_times(const std::filesystem::path& path, const N
                                       const Monitor& monitor) {
   const SequenceArgument source = parse_sequence_argument(path.string());
   std::error_code error;
-  if (std::filesystem::is_directory(source.path, error))
-    return times_of_names(open_sequence(source));
+  if (std::filesystem::is_directory(source.path, error)) {
+    const SequenceSource folder = open_sequence(source);
+    std::vector<int64_t> times = times_of_names(folder);
+    if (!states_times(folder))
+      warn(monitor,
+           "{}: the names of its frames, {} to {}, are interpreted as seconds; if they count "
+           "frames, pass a list of their times",
+           path.string(), time_text(times.front()), time_text(times.back()));
+    return times;
+  }
   const std::string start = read_file_start(source.path, kFileStart);
   const bool is_text = start.find('\0') == std::string::npos && !start.starts_with("YUV4MPEG2");
   return is_text ? read_time_list(path, names, monitor) : read_video_times(source, monitor);
@@ -268,10 +294,14 @@ SequenceArgument selected(SequenceArgument argument, const SelectionSettings& se
                 "{}: the times of its frames are unknown, but --fps needs them. Use "
                 "--recorded-fps, a video, images with times as names, or a data set with \"fps\"",
                 text_of(argument));
-  if (!file.empty() && sequence.kind != SequenceKind::video)
-    if (const size_t frames = count_frames(sequence); frames != times->size())
+  if (!file.empty()) {
+    const size_t frames = sequence.kind == SequenceKind::video
+                              ? read_video_times(argument, monitor).size()
+                              : count_frames(sequence);
+    if (frames != times->size())
       throw Error(ErrorKind::data, "{}: has {}, but {} has {}", file.string(),
                   counted(times->size(), "time"), text_of(argument), counted(frames, "frame"));
+  }
   const std::optional<double> own = median_fps(*times);
   Selection kept = resampled(*times, *fps);
   if (times->size() > kMaxThinned * kept.frames())

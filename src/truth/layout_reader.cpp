@@ -34,12 +34,13 @@ class LayoutReader {
     found_.name = path.string();
     found_.is_on_earth = layout.has("lat");
     found_.has_heights = rows_.has("z") || rows_.has("lat");
+    found_.has_times = has_time();
   }
 
   Trajectory read() {
     check_columns();
     TimeReader times(with_times_ ? unit() : std::nullopt);
-    const bool by_frame = rows_.has("frame") && !rows_.has("time") && !rows_.has("sec");
+    const bool by_frame = rows_.has("frame") && !has_time();
     std::set<size_t> listed;
     size_t points = 0;  // the line after a pose
     for (size_t index = 0; rows_.next();) {
@@ -68,7 +69,7 @@ class LayoutReader {
     }
     check_lengths();
     check_centers();
-    check_meters();
+    if (!layout_.is_world_to_camera) check_meters(rows_, found_);
     if (layout_.is_table() && !by_frame) read_names(rows_, source_.range, found_);
     return std::move(found_);
   }
@@ -127,12 +128,17 @@ class LayoutReader {
 
   bool has_time() const { return rows_.has("time") || rows_.has("sec"); }
 
+  // Beside the two parts of a message's own stamp, a time is the one at which it was recorded.
+  bool has_whole_times() const {
+    return rows_.has("time") && !(rows_.has("sec") && rows_.has("nsec"));
+  }
+
   std::optional<TimeUnit> unit() {
-    return rows_.has("time") ? unit_of_times(rows_, "time") : TimeUnit::seconds;
+    return has_whole_times() ? unit_of_times(rows_, "time") : TimeUnit::seconds;
   }
 
   int64_t read_time(TimeReader& times) const {
-    if (rows_.has("time")) return times.read(rows_.location(), rows_.text("time"));
+    if (has_whole_times()) return times.read(rows_.location(), rows_.text("time"));
     const int64_t seconds = times.read(rows_.location(), rows_.text("sec"));
     return rows_.has("nsec") ? seconds + static_cast<int64_t>(rows_.frame("nsec", 999'999'999))
                              : seconds;
@@ -232,26 +238,6 @@ class LayoutReader {
           "its poses map the world to the camera, as {} defines them, so the camera does not move. "
           "If they are poses of the camera, write them in the layout tum",
           layout_.name);
-  }
-
-  // Latitudes and longitudes of some kilometers are all within a tenth of a degree.
-  void check_meters() const {
-    constexpr double kFewDegrees = 0.1;
-    constexpr size_t kFewPoses = 10;
-    const auto first =
-        std::ranges::find_if(found_.poses, [](const auto& pose) { return pose.has_value(); });
-    if (layout_.is_table() || layout_.is_world_to_camera || found_.is_on_earth ||
-        found_.poses.size() < kFewPoses || first == found_.poses.end())
-      return;
-    const auto [x, y, z] = extents_of(found_.poses);
-    const auto& position = (*first)->position;
-    const double farther = std::max(std::abs(position[0]), std::abs(position[1]));
-    if (x + y > 0 && std::max(x, y) < kFewDegrees && farther > 1 && farther <= 360)
-      rows_.fail(
-          "its positions near {:g}, {:g} extend over less than {} m. If they are latitudes and "
-          "longitudes, add a first line that names the columns, such as time,lat,lon; if they are "
-          "meters, subtract the first position",
-          position[0], position[1], kFewDegrees);
   }
 
   const Layout& layout_;

@@ -41,7 +41,6 @@ Columns split_cells(std::string_view line, std::string_view separators) {
 /// The beginning of a file: its comments and first lines.
 struct Sample {
   std::string_view comments = {};  ///< before the first line
-  std::string_view comment = {};   ///< the last of them, without its #
   std::vector<std::string_view> lines = {};
 };
 
@@ -55,7 +54,6 @@ Sample sample_of(const FileStart& start) {
     if (begin >= line.size()) continue;
     if (line[begin] == '#') {
       if (!sample.lines.empty()) continue;
-      sample.comment = line.substr(begin + 1);
       sample.comments =
           text.substr(0, static_cast<size_t>(line.data() - text.data()) + line.size());
       continue;
@@ -133,14 +131,17 @@ class Line {
   Columns cells_;
 };
 
-// Whether the comment before the lines names one of the layout's columns otherwise.
+// Whether a comment before the lines names one of the layout's columns otherwise.
 bool contradicts(const Sample& sample, const Layout& layout) {
-  const Columns names = split_cells(sample.comment, layout.separators);
-  if (names.size() < layout.columns.size()) return false;
-  for (size_t i = 0; i < layout.columns.size(); ++i)
-    for (const std::string_view role :
-         {"x", "y", "z", "qx", "qy", "qz", "qw", "nsec", "lat", "lon"})
-      if (layout.columns[i] != role && has_columns({std::string(names[i])}, {role})) return true;
+  for (std::string_view comment : split_lines(sample.comments)) {
+    comment.remove_prefix(std::min(comment.find_first_not_of("# \t"), comment.size()));
+    const Columns names = split_cells(comment, layout.separators);
+    if (names.size() < layout.columns.size()) continue;
+    for (size_t i = 0; i < layout.columns.size(); ++i)
+      for (const std::string_view role :
+           {"x", "y", "z", "qx", "qy", "qz", "qw", "nsec", "lat", "lon"})
+        if (layout.columns[i] != role && has_columns({std::string(names[i])}, {role})) return true;
+  }
   return false;
 }
 

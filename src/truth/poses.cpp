@@ -115,8 +115,8 @@ void require_equal(const std::filesystem::path& path, std::string_view column,
 // Refuses poses with times that are not one per frame and that no times of frames associate.
 void require_one_per_frame(const Trajectory& found, const SideOptions& side,
                            const FrameCount& frames) {
-  if (!side.files.times.empty() || found.times_ns.empty() || !found.names.empty() ||
-      frames.known().value_or(found.poses.size()) == found.poses.size())
+  if (!side.files.times.empty() || !(found.has_times || !found.times_ns.empty()) ||
+      !found.names.empty() || frames.known().value_or(found.poses.size()) == found.poses.size())
     return;
   throw Error(ErrorKind::data,
               "{}: has {}, but there are {} {} frames. Its poses have times: pass those of the "

@@ -43,7 +43,9 @@ double read_degrees(const Rows& rows, std::string_view column, std::string_view 
 
 // Whether a letter, if there is one, says that the latitude is south or the longitude west.
 bool is_negative(const Rows& rows, std::string_view column) {
-  const std::string letter = lower_case(std::string(rows.text(column)));
+  std::string letter = lower_case(std::string(rows.text(column)));
+  for (const std::string_view word : {"north", "south", "east", "west"})
+    if (letter == word) letter.resize(1);
   const bool is_other = letter == column.substr(2);  // "n/s", "e/w"
   if (!letter.empty() && !is_other && letter != column.substr(0, 1))
     rows.fail("the letter \"{}\" of its column {} is unknown", rows.text(column), column);
@@ -217,6 +219,24 @@ bool is_gps_header(const std::vector<std::string>& header) {
   return has_columns(header, {"lat", "lon"});
 }
 
+void check_meters(const Rows& rows, const Trajectory& found) {
+  constexpr double kFewDegrees = 0.1;
+  constexpr size_t kFewPoses = 10;
+  const auto first =
+      std::ranges::find_if(found.poses, [](const auto& pose) { return pose.has_value(); });
+  if (found.is_on_earth || found.poses.size() < kFewPoses || first == found.poses.end()) return;
+  const auto [x, y, z] = extents_of(found.poses);
+  const auto& position = (*first)->position;
+  const double farther = std::max(std::abs(position[0]), std::abs(position[1]));
+  if (x + y > 0 && std::max(x, y) < kFewDegrees && farther > 1 && farther <= 360)
+    rows.fail(
+        "its positions near {:g}, {:g} extend over less than {} m. If they are latitudes and "
+        "longitudes, {}; if they are meters, subtract the first position",
+        position[0], position[1], kFewDegrees,
+        rows.header().empty() ? "add a first line that names the columns, such as time,lat,lon"
+                              : "name these columns lat and lon");
+}
+
 Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, bool with_times) {
   const SequenceArgument source = parse_sequence_argument(path.string());
   const std::vector<std::string> header = open_start(source.path).header;
@@ -257,6 +277,7 @@ Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, boo
     found.times_ns[*frame] = times.read(rows.location(), rows.text("time"));
   }
   if (listed.size() < found.poses.size()) found.times_ns.clear();
+  check_meters(rows, found);
   return found;
 }
 

@@ -72,6 +72,10 @@ bool is_gps_header(const std::vector<std::string>& header);
 Trajectory read_pose_csv(const std::filesystem::path& path,
                          std::optional<size_t> frames = std::nullopt, bool with_times = false);
 
+/// Latitudes and longitudes of some kilometers are all within a tenth of a degree: throws
+/// Error(data) for 10 or more positions in meters that look like them.
+void check_meters(const Rows& rows, const Trajectory& found);
+
 /// The fixes of one side on the earth: a CSV with columns for latitude, longitude and optionally
 /// heading, in degrees. Degrees have a decimal point, and longitudes are from -180 to 360. A line
 /// belongs to

@@ -59,8 +59,12 @@ std::optional<TimeUnit> unit_of_times(const FileLocation& file,
   if (!first) return std::nullopt;
   std::vector<double> values;  // lines that name images have any order
   bool has_points = false;
+  bool are_whole = true;
   for (const std::string_view text : texts) {
-    if (const auto value = parse_real(text)) values.push_back(*value);
+    if (const auto value = parse_real(text)) {
+      values.push_back(*value);
+      are_whole = are_whole && std::trunc(*value) == *value;
+    }
     has_points = has_points || text.find('.') < text.size();
   }
   std::ranges::sort(values);
@@ -86,6 +90,11 @@ std::optional<TimeUnit> unit_of_times(const FileLocation& file,
   }
   if (plausible.empty()) return unit_of_time(texts.front());
   if (has_points && plausible.front().first == TimeUnit::seconds) return TimeUnit::seconds;
+  if (has_points && are_whole && plausible.front().first == TimeUnit::milliseconds)
+    file.fail(
+        "the unit of its times is unclear: they are {} s or ms apart. Add a first line with the "
+        "names of the columns, such as time_s or time_ms",
+        *middle);
   // A recording of less than a second has a larger unit.
   const double duration = values.back() - values.front();
   while (plausible.size() > 1 &&

@@ -194,6 +194,16 @@ Poses poses_by_name(const Trajectory& trajectory, const SideOptions& side,
   const bool must_have_all = !side.files.images.empty();
   const auto count = static_cast<size_t>(std::ranges::count_if(
       trajectory.names, [&](const std::string& name) { return names->find(name).has_value(); }));
+  const bool count_frames = std::ranges::all_of(
+      trajectory.names, [](const std::string& name) { return parse_frame(name).has_value(); });
+  if (count > 0 && count_frames && !names->find("0") &&
+      std::ranges::find(trajectory.names, "0") != trajectory.names.end())
+    throw Error(
+        ErrorKind::data,
+        "{}: its numbers of frames count from 0, which does not name a frame, so it is unclear "
+        "which frames {} and others are. Call the column \"frame\", or write names with their "
+        "extension",
+        trajectory.name, names->name(0));
   if (count == 0 && !must_have_all)
     throw Error(ErrorKind::data, "{}: no line names a frame of the sequence; the first names {}",
                 trajectory.name, trajectory.names.front());

@@ -85,6 +85,7 @@ struct Trajectory {
   bool is_on_earth = false;  ///< positions are those of earth_position()
   bool has_heights = true;   ///< false: a CSV without a column z
   bool has_floors = false;   ///< a CSV with a column floor
+  bool has_times = false;    ///< of a layout, also if they were not read
 };
 
 /// Chooses the names from the columns that may have them: the column that names the most frames, by

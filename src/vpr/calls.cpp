@@ -48,6 +48,9 @@ struct SequenceQuery {
     std::vector<std::string> names;
     for (const auto& item : keywords.values.items()) names.push_back(item.key());
     settings = choose_query(keys, names, command);
+    if (!inputs.frame_times.empty() &&
+        !(settings.past && std::holds_alternative<double>(settings.past->gap)))
+      throw Error(ErrorKind::usage, "frame_times needs a gap in seconds, loop_gap_s");
   }
 
   /// Adds what the settings need.
@@ -62,6 +65,12 @@ QueryRun query_places(Keywords& keywords, bool is_loop, const Database& database
   SelectionSettings selection;
   FabmapQuerySettings settings;
   is_loop ? keywords.read(settings) : keywords.read(settings, selection);
+  if (settings.method != enum_name(DatabaseFamily::fabmap))
+    throw Error(ErrorKind::data, "the database is a {}, which {} cannot use",
+                family_text(DatabaseFamily::fabmap), settings.method);
+  for (const char* key : {"loop", "loop_gap"})
+    if (!is_loop && keywords.values.contains(key))
+      throw Error(ErrorKind::usage, "{} has no effect on a query. Use loops", key);
   settings.loop = is_loop;
   const uint64_t seed = keywords.process.seed;
   const auto& places = std::get<FabmapDatabase>(database.content);
@@ -254,6 +263,14 @@ std::shared_ptr<Judged> evaluate(Keywords& keywords,
   if (train_frames == 0 && keywords.values.contains("train_frames"))
     throw Error(ErrorKind::usage, "train_frames must be at least 1, found 0");
   check_evaluation(by);
+  if (!result && !by.places.empty())
+    throw Error(ErrorKind::usage, "places has no effect on scores. Omit it");
+  const auto refuse_given = [&](std::string_view key) {
+    if (!truth && keywords.values.contains(key))
+      throw Error(ErrorKind::usage, "{} has no effect without a ground truth", key);
+  };
+  for (const std::string_view key : {"format", "tolerance"}) refuse_given(key);
+  visit_fields(argument.options, [&](std::string_view key, auto&&...) { refuse_given(key); });
   if (truth) by.ground_truth = argument;
   const auto evaluate_input = [&] {
     settings.query.name = kUnnamedQuery;

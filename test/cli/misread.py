@@ -427,7 +427,7 @@ def columns_of_names():
     for i in range(40):
         write(f"numbers/{i}.jpg", "")
     write("seconds.csv", "time,x,y,z\n" + "".join(f"{i},{10 * i},0,0\n" for i in range(0, 40, 4)))
-    refused(4, "is for 10 query frames", "vpr-eval", "check", "seconds.csv", "--ground-truth-train", "seconds.csv", "--query", "numbers",
+    refused(4, "has 10 poses, but there are 40", "vpr-eval", "check", "seconds.csv", "--ground-truth-train", "seconds.csv", "--query", "numbers",
             "--train", "numbers", "--radius", 2)
     write("idx.csv", "idx,speed,x,y,z\n" + "".join(f"{i},{i % 7},{10 * i},0,0\n" for i in range(40)))
     assert same_pairs("idx.csv", "--ground-truth-train", "idx.csv", "--radius", 2, "--query", "ids", "--train", "ids") == 40
@@ -501,6 +501,91 @@ def frames_of_lists():
     assert same_pairs(write("gone.csv", "query,reference\n" + "".join(f"gone/{i}.png,gone/{i}.png\n" for i in range(9))), *sides) == 9
 
 
+def logs_of_robots():
+    """Columns of logs, each with the right answer in a plain file."""
+    count = 40
+    plain = write("plain.csv", "time,x,y,z\n" + "".join(f"{i / 10},{10 * i},0,0\n" for i in range(count)))
+    write("frames.times", "".join(f"{i / 10}\n" for i in range(count)))
+    times = ("--query-times", "frames.times", "--train-times", "frames.times", "--max-difference", 0.01, "--radius", 1)
+    # A record has a time of its own, half a second after the message's.
+    write("echo.csv", "%time,field.header.stamp,field.pose.position.x,field.pose.position.y,field.pose.position.z\n"
+          + "".join(f"{10**8 * (i + 5)},{10**8 * i},{10 * i},0,0\n" for i in range(count)))
+    write("bag.csv", "Time,header.stamp.secs,header.stamp.nsecs,pose.position.x,pose.position.y,pose.position.z\n"
+          + "".join(f"{i / 10 + 0.5},{i // 10},{10**8 * (i % 10)},{10 * i},0,0\n" for i in range(count)))
+    for name in ("echo.csv", "bag.csv"):
+        assert same_pairs(name, "--ground-truth-train", plain, *times) == count, name
+    write("two.csv", "%time,field.pose0.position.x,field.pose0.position.y,field.pose1.position.x,field.pose1.position.y\n0,1,2,3,4\n")
+    refused(4, "two columns x", "vpr-eval", "check", "two.csv", "--ground-truth-train", "two.csv", "--radius", 1)
+    # Comments after the one that names the columns.
+    turned = "".join(f"{i} {10 * i} 0 0 0.8 0.6 0 0\n" for i in range(count))
+    write("turned.tum", "# time x y z q_w q_x q_y q_z\n# from a logger\n" + turned)
+    refused(2, "fit no layout", "vpr-eval", "check", "turned.tum", "--ground-truth-train", "turned.tum", "--radius", 1)
+    write("keys.tum", "".join(f"{i} {10 * i} 0 0 0 0 0 1\n" for i in range(0, count, 2)))
+    refused(4, "pass those of the frames with --query-times", "vpr-eval", "check", "keys.tum", "--ground-truth-train", "keys.tum",
+            "--radius", 1, "--query", "walk", "--train", "walk")
+    # Degrees: of a GIS, and with letters.
+    write("gis.csv", "frame,x,y\n" + "".join(f"{i},{-1.26 + i / 1e5},{51.75 + i / 1e5}\n" for i in range(count)))
+    refused(4, "name these columns lat and lon", "vpr-eval", "check", "gis.csv", "--ground-truth-train", "gis.csv", "--radius", 1)
+    for west in ("W", "West"):
+        write("exif.csv", "SourceFile,GPSLatitude,GPSLatitudeRef,GPSLongitude,GPSLongitudeRef\n"
+              + "".join(f"{i}.jpg,{51.75 + i / 1e4},N,{1.26},{west}\n" for i in range(count)))
+        write("signed.csv", "frame,lat,lon\n" + "".join(f"{i},{51.75 + i / 1e4},-1.26\n" for i in range(count)))
+        sides = ("--query", "numbers", "--train", "numbers", "--radius", 1)
+        assert same_pairs("exif.csv", "--ground-truth-train", "signed.csv", *sides) == count
+    (folder / "from1").mkdir()
+    for i in range(count):
+        write(f"from1/{i + 1}.jpg", "")
+    write("counted.csv", "image,lat,lon\n" + "".join(f"{i},{51.75 + i / 1e4},-1.26\n" for i in range(count)))
+    refused(4, "count from 0", "vpr-eval", "check", "counted.csv", "--ground-truth-train", "counted.csv", "--radius", 1, "--query",
+            "from1", "--train", "from1")
+
+
+def written_times():
+    """Times in words and of unclear units."""
+    check = lambda *lines: ("vpr-query", "loops", "--query", "walk", "--gap", "3s", "--c-l", 1, "--t-r", 0.5, "-o", "loops.json",
+                            "--force", "--frame-times", write("said.txt", "".join(f"{line}\n" for line in lines)))
+    frames = range(40)
+    clock = lambda text: [f"2024-05-01 10:00:{i:02}{text}" for i in frames]
+    ok(call(*check(*clock(" UTC"))))
+    for word in ("PM", "BST"):
+        refused(4, f'"{word}" after the date', *check(*clock(f" {word}")))
+    refused(4, "unit of its times is unclear", *check(*(f"{30 * i}.0" for i in frames)))
+    ok(call(*check("time_s", *(f"{30 * i}.0" for i in frames))))
+
+
+def images_of_cameras():
+    """Images as cameras and programs write them have the pixels of plain ones, or are refused."""
+    rng = np.random.default_rng(1)
+    views = [np.kron(rng.integers(0, 16, (12, 16)), np.ones((8, 8), int)).astype(np.uint8) * 17 for _ in range(12)]
+    for name in ("stored", "fifteen", "xmp", "upright", "kinds/a", "kinds/__MACOSX"):
+        (folder / name).mkdir(parents=True)
+    exif = Image.Exif()
+    exif[274] = 3
+    xmp = b"http://ns.adobe.com/xap/1.0/\0<x/>"
+    for i, view in enumerate(views):
+        Image.fromarray(view).save(folder / f"stored/{i}.png")
+        (folder / f"fifteen/{i}.pgm").write_bytes(b"P5 128 96 15\n" + (view // 17).tobytes())
+        Image.fromarray(view).save(folder / f"upright/{i}.jpg", quality=95)
+        Image.fromarray(view[::-1, ::-1]).save(folder / "turned.jpg", quality=95, exif=exif)
+        text = (folder / "turned.jpg").read_bytes()
+        at = text.index(b"\xff\xe1")
+        (folder / f"xmp/{i}.jpg").write_bytes(text[:at] + b"\xff\xe1" + (len(xmp) + 2).to_bytes(2, "big") + xmp + text[at:])
+        for kind in ("color", "depth"):
+            Image.fromarray(view).save(folder / f"kinds/a/{i}.{kind}.png")
+    for plain, other, most in (("stored", "fifteen", 0), ("upright", "xmp", 100)):
+        run("vpr-train", "images", "--train", plain, "-o", "views.vprdb", "--force", "--c-l", 1, "--quiet")
+        run("vpr-query", "views.vprdb", "--query", other, "--method", "fastable", "--c-l", 1, "--t-r", 0.4, "--score", "raw",
+            "--save-matrix", "views.npy", "-o", "views.json", "--force", "--quiet")
+        assert np.load(folder / "views.npy").diagonal().max() <= most, (other, np.load(folder / "views.npy").diagonal())
+    train = ("vpr-train", "images", "--train", "stored", "-o", "p.vprdb")
+    assert "2 images of each frame: .color.png, .depth.png" in said(*train[:2], "--train-folders", "kinds", "-o", "k.vprdb")
+    Image.fromarray(views[0]).save(folder / "stored/12.png", save_all=True, append_images=[Image.fromarray(v) for v in views[1:]])
+    refused(3, "has several pages", *train)
+    (folder / "stored/12.png").unlink()
+    Image.fromarray(np.dstack([views[0]] * 3 + [views[1]]), "RGBA").save(folder / "stored/12.tif")
+    refused(3, "has transparent pixels", *train)
+
+
 def common_frames():
     """Gaps between frames that all methods judge say nothing about the path."""
     scores = np.eye(40) + 0.1
@@ -552,6 +637,9 @@ columns_of_names()
 units_of_positions()
 gaps_of_loops()
 frames_of_lists()
+logs_of_robots()
+written_times()
+images_of_cameras()
 common_frames()
 full_output()
 shrinking_array()

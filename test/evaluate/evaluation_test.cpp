@@ -162,6 +162,10 @@ TEST_CASE("a sample of labels estimates the share of correct best matches, and s
   CHECK(labeled_threshold(found)->threshold == 7);
   CHECK(labeled_threshold(found)->accepted == 2);
   CHECK(report_json(report_of(found, {}))["estimate"]["frames"] == 2);
+  // Copies of frames are not independent.
+  Result slow = example();
+  slow.query.selection = {"0.5", 1, 4, {0, 0, 1, 2}};
+  CHECK_FALSE(estimated_recall(evaluate_result(shared(slow), {}, by, {})));
   // The label of a frame of the sample that is of another match estimates nothing.
   test::write_text(
       "labels.csv",

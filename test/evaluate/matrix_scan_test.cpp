@@ -114,7 +114,7 @@ TEST_CASE("ranks and best matches of a small matrix equal those counted by hand"
   // Correct references: 1 | 3 (tied with 0 and 2) | none | 0 (no score) | 0, with 1 ignored.
   const std::vector<double> scores = {5,    1,    2,    3,     //
                                       4,    9,    4,    4,     //
-                                      1,    2,    3,    4,     //
+                                      1,    kNan, kNan, kNan,  //
                                       kNan, 2,    3,    kNan,  //
                                       2,    1,    3,    4,     //
                                       kNan, kNan, kNan, kNan};

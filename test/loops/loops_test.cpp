@@ -48,11 +48,11 @@ TEST_CASE("loops in both directions equal those counted by hand") {
   const Trajectory trajectory = along({0, 1, 2, 3, 2, 1, 0});
   LoopList list;
   list.has_scores = true;
-  list.loops = {{4, 2, 0.9, 1},    // correct: 2 frames apart is the gap
+  list.loops = {{4, 2, 0.1, 1},    // correct: 2 frames apart is the gap
                 {5, 4, 0.95, 2},   // too close in time
                 {5, 0, 0.8, 3},    // one meter away, with a radius of half a meter
                 {5, 1, 0.7, 4},    // correct, but not its frame's best
-                {4, 2, 0.1, 5},    // duplicate of the first one
+                {4, 2, 0.9, 5},    // duplicate of the first one, with a better score
                 {3, 0, 0.85, 6}};  // no place in common
   const LoopJudgment judgment = judge_loops(list, trajectory, rules_within(0.5, 2));
   CHECK(judgment.has_loop == std::vector<bool>{false, false, false, false, true, true, true});

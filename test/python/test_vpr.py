@@ -128,6 +128,11 @@ def test_places_are_recognized_as_by_the_program(run, walks, tmp_path):
     assert_same_results(tmp_path / "p.json", tmp_path / "c.json")
     with pytest.raises(vpr.DataError, match="has no frame descriptors"):
         db.descriptors
+    for method in ("filter", "nonsense"):
+        with pytest.raises(vpr.DataError, match=f"which {method} cannot use"):
+            vpr.query(db, walks / "tuesday", method=method)
+    with pytest.raises(vpr.UsageError, match="loop_gap has no effect on a query"):
+        vpr.query(db, walks / "tuesday", loop_gap=3)
 
 
 @pytest.mark.parametrize("settings", [
@@ -278,6 +283,10 @@ def test_distances_are_those_of_the_descriptors(walks):
     assert np.array_equal(found[-1], expected[-1])
     with pytest.raises(IndexError):
         found[200]
+    vectors = np.load(walks / "monday.npy").astype(np.float32)
+    vectors[3] = np.nan
+    gap = np.asarray(vpr.distances(vpr.train(descriptors=vectors, metric="l2", skip_unreadable=True), vectors[5:9]))
+    assert (gap[:, 3] == 65535).all() and (np.delete(gap, 3, axis=1) < 65535).all()
 
 
 def test_live_frames_have_the_length_of_the_database(walks):
@@ -377,6 +386,9 @@ def masked():
     (lambda db, walks: vpr.evaluate_scores(np.eye(9), None), "UsageError"),
     (lambda db, walks: vpr.evaluate_scores(np.eye(9), "aligned", recall_at=[0]), "UsageError"),
     (lambda db, walks: vpr.evaluate_scores(np.eye(9), "aligned", stretch=0), "UsageError"),
+    (lambda db, walks: vpr.evaluate_scores(np.eye(9), "aligned", places="p.csv"), "UsageError"),
+    (lambda db, walks: vpr.evaluate(vpr.query(db, descriptors=walks / "tuesday.npy"), tolerance=3), "UsageError"),
+    (lambda db, walks: vpr.loops(descriptors=walks / "monday.npy", loop_gap=20, c_l=5, frame_times="x"), "UsageError"),
     (lambda db, walks: vpr.evaluate_scores(np.eye(9), "aligned", rows_are_windows_of=0), "UsageError"),
     (lambda db, walks: vpr.evaluate_scores(np.eye(9), "aligned", rows_are_windows_of=10), "UsageError"),
     (lambda db, walks: vpr.query(db, descriptors=np.eye(64), method="\udcff"), "UsageError"),
