@@ -4,6 +4,7 @@ import os
 import pathlib
 import struct
 import subprocess
+import tempfile
 
 
 class Served:
@@ -30,6 +31,16 @@ class Served:
         server.stdin.flush()
         status, size = struct.unpack("=iI", server.stdout.read(8))
         return os.waitstatus_to_exitcode(status), server.stdout.read(size).decode(errors="replace")
+
+    def call(self, words, folder):
+        """The result of subprocess.run, with its output as text."""
+        if not self.library.exists():
+            return subprocess.run([self.binaries / words[0], *map(str, words[1:])], cwd=folder, text=True,
+                                  capture_output=True)
+        with tempfile.TemporaryDirectory() as printed:
+            texts = [pathlib.Path(printed) / name for name in ("stdout", "stderr")]
+            status, _ = self.run(words, folder, *texts)
+            return subprocess.CompletedProcess(words, status, *(text.read_text() for text in texts))
 
     def close(self):
         for server in self.servers.values():

@@ -99,16 +99,12 @@ void warn_about_ranks(const Monitor& monitor, const std::vector<size_t>& recall_
          fmt::join(unknown, ", "));
 }
 
-void claim_outputs(const Session& session, const CompareInputs& inputs) {
+void run_compare(Session& session, const CompareInputs& inputs) {
   if (!inputs.names.empty() && inputs.names.size() != inputs.reports.size())
     throw Error(ErrorKind::usage,
                 "--name is needed for each report, in their order: there are {} reports and {}",
                 inputs.reports.size(), counted(inputs.names.size(), "name"));
   session.claim_output({inputs.html}, inputs.plots);
-}
-
-void run_compare(Session& session, const CompareInputs& inputs) {
-  claim_outputs(session, inputs);
   const Stopwatch watch;
   std::vector<Report> reports;
   for (size_t r = 0; r < inputs.reports.size(); ++r) {

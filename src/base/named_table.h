@@ -1,6 +1,8 @@
 // Tables whose rows are selected by name: methods, variants, formats, presets.
 #pragma once
 
+#include <algorithm>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +33,12 @@ std::vector<std::string> names_of(const Table& table) {
       ErrorKind::usage, "unknown {} \"{}\"{} There are {}", what, word,
       edit_distance(word, near) > kMostEdits ? "." : fmt::format("; did you mean {}?", near),
       fmt::join(names, ", "));
+}
+
+/// The first row with this name; null if there is none.
+const auto* find_in(const auto& table, std::string_view name) {
+  const auto found = std::ranges::find_if(table, [&](const auto& row) { return row.name == name; });
+  return found == std::end(table) ? nullptr : &*found;
 }
 
 /// The first row with this name. Throws as refuse_name does.

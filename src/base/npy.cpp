@@ -16,6 +16,7 @@
 
 #include "base/converters.h"
 #include "base/error.h"
+#include "base/named_table.h"
 
 namespace vpr {
 
@@ -185,9 +186,6 @@ const NumberType& number_type_of(const std::string& name, const std::optional<Np
                                     : "an array of numbers");
 }
 
-const NumberType* find_number_type(std::string_view name) {
-  const auto found = std::ranges::find(kTypes, name, &NumberType::name);
-  return found == kTypes.end() ? nullptr : &*found;
-}
+const NumberType* find_number_type(std::string_view name) { return find_in(kTypes, name); }
 
 }  // namespace vpr

@@ -79,6 +79,12 @@ struct RowRules {
   bool is_ragged = false;   ///< rows may have any number of cells; empty last ones are omitted
 };
 
+/// Rules of a list: its header is optional, and other cells follow its first column.
+inline RowRules list_rules(std::vector<std::string_view> columns) {
+  return {std::move(columns), 1, /*needs_header=*/false, kListSeparators, /*has_others=*/true,
+          /*is_ragged=*/true};
+}
+
 /// The first line that is neither empty nor a comment, without its end.
 std::string_view first_line_of(std::string_view text);
 /// The first row of a text, as Rows finds a required header; empty for text without rows, or with

@@ -14,6 +14,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "base/error.h"
+#include "base/named_table.h"
 #include "database/imported.h"
 #include "database/whole_frame.h"
 
@@ -150,10 +151,7 @@ DescriptorSet DescriptorKind::describe(const SequenceSource& sequence,
 
 std::span<const DescriptorKind> descriptor_kinds() { return kKinds; }
 
-const DescriptorKind* find_descriptor_kind(std::string_view name) {
-  const auto kind = std::ranges::find(kKinds, name, &DescriptorKind::name);
-  return kind == kKinds.end() ? nullptr : &*kind;
-}
+const DescriptorKind* find_descriptor_kind(std::string_view name) { return find_in(kKinds, name); }
 
 const DescriptorKind& descriptor_kind(std::string_view name) {
   if (const DescriptorKind* kind = find_descriptor_kind(name)) return *kind;

@@ -101,13 +101,7 @@ void refuse_counted_header(const std::vector<Prediction>& all) {
 
 // Pairs with or without a score, or one line per query: its name and its references, best first.
 PredictionList read_list(const fs::path& path) {
-  Rows rows(path, path.string(),
-            {{"query", "reference", "score"},
-             1,
-             /*needs_header=*/false,
-             kListSeparators,
-             /*has_others=*/true,
-             /*is_ragged=*/true});
+  Rows rows(path, path.string(), list_rules({"query", "reference", "score"}));
   PredictionList list;
   list.has_queries = !rows.header().empty();
   list.are_rankings = are_rankings(rows);

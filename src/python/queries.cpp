@@ -171,8 +171,7 @@ std::shared_ptr<Distances> distances(Call& call, const DatabasePointer& database
   call.run([&](const Monitor& monitor) {
     made->query = describe_frames(open_sequence(query), sequences, false, monitor);
     made->distances = frame_distances(descriptor_spans(sequences), made->query.span());
-    made->readable =
-        readable_flags(readable_runs(made->distances.train), made->distances.train_frames);
+    made->readable = readable_flags(made->distances.train_runs, made->distances.train_frames);
     made->shape = {made->distances.query_frames, made->distances.train_frames};
   });
   return made;
@@ -210,9 +209,9 @@ void add_queries(py::module_& module) {
   py::class_<Distances, std::shared_ptr<Distances>>(
       module, "Distances",
       "Frame distances of a query to all training frames, computed on request: d[i] is the row of\n"
-      "query frame i, numpy.asarray(d) the matrix. Values are uint16; smaller is closer, and 65535 "
-      "is\n"
-      "the distance to a training frame that cannot be decoded.")
+      "query frame i, numpy.asarray(d) the matrix. Values are uint16; smaller is closer. That to "
+      "a\n"
+      "training frame that cannot be decoded is 65535.")
       .def_static("__new__", refuse_new)
       .def("__len__", [](const Distances& self) { return self.shape.first; })
       .def("__getitem__", &Distances::row, py::call_guard<InCall>())

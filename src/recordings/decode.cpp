@@ -144,6 +144,18 @@ void scale_to_white(cv::Mat& image, int largest) {
   cv::LUT(image, table, image);
 }
 
+// OpenCV multiplies colors of 8 bits by alpha.
+void refuse_transparent(const std::filesystem::path& path, const cv::Mat& bytes) {
+  const cv::Mat image = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+  cv::Mat alpha;
+  if (image.channels() == 4) cv::extractChannel(image, alpha, 3);
+  if (alpha.empty() || range_of(alpha).low < 255)
+    throw Error(ErrorKind::input,
+                "{}: has transparent pixels, which are not supported. Save it without its alpha "
+                "channel, or as PNG",
+                path.string());
+}
+
 // With 16 bits per channel if the file has them.
 cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
   const auto fail = [&](std::string_view why) {
@@ -172,10 +184,11 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
                 "8 or 16 bits, with 0 for black",
                 path.string(), header.unread);
   if (header.has_pages)
-    throw Error(ErrorKind::input,
-                "{}: has several pages, but an image is one frame. Split it, as in convert {} "
-                "page-%05d.png",
-                path.string(), path.filename().string());
+    throw Error(
+        ErrorKind::input,
+        "{}: has several pages, but an image is one frame. Split it, as in {} {} page-%05d.png",
+        path.string(), file.starts_with("\x89PNG") ? "ffmpeg -i" : "convert",
+        path.filename().string());
   if (file.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
     fail("the file is larger than 2 GiB");
   const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8U, const_cast<char*>(file.data()));
@@ -187,6 +200,7 @@ cv::Mat decode_pixels(const std::filesystem::path& path, PixelFormat format) {
     // first if the file states its gamma.
     const int gray = file.starts_with(kJpegStart) ? cv::IMREAD_GRAYSCALE : cv::IMREAD_ANYCOLOR;
     image = cv::imdecode(bytes, depth | (format == PixelFormat::gray ? gray : cv::IMREAD_COLOR));
+    if (header.has_alpha && image.depth() == CV_8U) refuse_transparent(path, bytes);
   } catch (const cv::Exception& error) {
     // Larger than any limit of check_frame_size; OpenCV does not report the size.
     if (error.err.find("CV_IO_MAX_IMAGE") != std::string::npos)

@@ -89,6 +89,7 @@ struct ImageHeader {
   std::string unread;      ///< TIFF: the kind of pixels, such as "signed", that are not supported
   std::string kind;        ///< TIFF: its pixels, for a message; empty: other formats
   bool has_pages = false;  ///< more than one image; a TIFF's copies in other sizes do not count
+  bool has_alpha = false;  ///< TIFF: its colors are not multiplied by alpha
   bool is_16_bit = false;  ///< PNG, TIFF, PGM and PPM: 16 bits per channel
   int largest = 255;       ///< binary PGM and PPM of 8 bits: the value of white
   /// WebP: EXIF orientation 1 to 8, which OpenCV applies to other formats. 1: as stored.

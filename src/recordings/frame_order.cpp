@@ -77,6 +77,7 @@ NameOrder order_of_decimals(const std::vector<std::string>& names, const fs::pat
   std::set<size_t> lengths;             // of their fractions
   const std::string* other = nullptr;   // another name
   const std::string* padded = nullptr;  // a fraction that ends in 0
+  bool begins_with_0 = false;           // a fraction of several digits
   for (const std::string& name : names) {
     const NumberedName parts = numbered(name);
     if (!parts.value || !prefixes.contains(parts.prefix)) {
@@ -90,6 +91,7 @@ NameOrder order_of_decimals(const std::vector<std::string>& names, const fs::pat
     before->second = *parts.value;
     if (!parts.is_decimal) continue;
     lengths.insert(parts.fraction.size());
+    begins_with_0 = begins_with_0 || (parts.fraction.size() > 1 && parts.fraction.starts_with('0'));
     if (parts.fraction.size() > 1 && parts.fraction.ends_with('0')) padded = &name;
   }
   if (do_agree) return nullptr;
@@ -107,7 +109,7 @@ NameOrder order_of_decimals(const std::vector<std::string>& names, const fs::pat
                 "or longer, so the order of frames is unclear. {}",
                 folder.string(), *padded, kAdvice);
   constexpr size_t kNanoseconds = 9;
-  if (lengths.size() > 1 && *lengths.rbegin() == kNanoseconds)
+  if (lengths.size() > 1 && *lengths.rbegin() == kNanoseconds && !begins_with_0)
     throw Error(ErrorKind::usage,
                 "{}: the digits after the point may be nanoseconds without leading zeros, because "
                 "there are {} to 9 of them, so the order of frames is unclear. {}",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <map>
 #include <numeric>
 #include <set>
@@ -48,13 +49,16 @@ void warn_of_kinds(const SequenceSource& source, const Monitor& monitor) {
   std::set<std::string> kinds;
   for (const auto& file : source.files) {
     const std::string name = file.filename().string();
-    const size_t point = name.find('.');
+    const size_t point = std::min(name.find('.'), name.size());
     ++frames[name.substr(0, point)];
     kinds.insert(name.substr(point));
   }
-  const bool are_all =
-      std::ranges::all_of(frames, [&](const auto& frame) { return frame.second == kinds.size(); });
-  if (kinds.size() > 1 && are_all)
+  const auto is_word = [](const std::string& kind) {
+    return kind.size() > 1 && std::isalpha(static_cast<unsigned char>(kind[1])) != 0;
+  };
+  const auto is_complete = [&](const auto& frame) { return frame.second == kinds.size(); };
+  if (frames.size() > 1 && kinds.size() > 1 && std::ranges::all_of(kinds, is_word) &&
+      std::ranges::all_of(frames, is_complete))
     warn(monitor, "{}: has {} images of each frame: {}. To use one of them, pass a list of images",
          source.argument.path.string(), kinds.size(), fmt::join(kinds, ", "));
 }

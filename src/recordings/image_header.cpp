@@ -62,7 +62,6 @@ bool has_pages(std::string_view file) {
 
 ImageHeader tiff_header(std::string_view file) {
   constexpr std::array kFormats = {"", "", "signed", "floating-point", "", "complex", "complex"};
-  constexpr uint64_t kAlpha = 2;  // OpenCV multiplies colors of 8 bits by it
   ImageHeader header;
   uint64_t format = 1;
   uint64_t bits = 1;
@@ -82,8 +81,8 @@ ImageHeader tiff_header(std::string_view file) {
   if (header.unread.empty() && bits > 16) header.unread = fmt::format("{}-bit", bits);
   if (header.unread.empty() && bits > 8 && samples == 1 && photometric == 0)
     header.unread = "inverted (MINISWHITE)";
-  if (header.unread.empty() && (extra == kAlpha || (extra != 0 && samples == 2)))
-    header.unread = "transparent";
+  if (header.unread.empty() && bits > 8 && samples == 2) header.unread = "transparent gray";
+  header.has_alpha = extra == 2;
   header.has_pages = has_pages(file);
   header.kind = fmt::format("TIFF of {} bits and {} channels", bits, samples);
   header.is_16_bit = bits == 16 && header.unread.empty();
@@ -125,12 +124,12 @@ uint64_t largest_of_pnm(std::string_view file) {
   return value;
 }
 
-// Whether a PNG is an animation: it has a chunk "acTL" before its pixels.
+// Whether a PNG is an animation: its chunk "acTL", before its pixels, counts several frames.
 bool is_animated(std::string_view file) {
   const ByteReader reader{file};
   for (uint64_t at = 8; at + 8 <= file.size(); at += 12 + reader.number(at, 4)) {
     const std::string_view type = file.substr(at + 4, 4);
-    if (type == "acTL" || type == "IDAT") return type == "acTL";
+    if (type == "acTL" || type == "IDAT") return type == "acTL" && reader.number(at + 8, 4) > 1;
   }
   return false;
 }

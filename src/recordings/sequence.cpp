@@ -111,10 +111,7 @@ constexpr std::array kRules = {
     SpeedRule{"kidnap", "parts of 40 frames in random order; no part follows its predecessor",
               kKidnapStretch + 1, kidnap}};
 
-const SpeedRule* find_rule(const std::string& speed) {
-  const auto found = std::ranges::find(kRules, std::string_view(speed), &SpeedRule::name);
-  return found == kRules.end() ? nullptr : &*found;
-}
+const SpeedRule* find_rule(const std::string& speed) { return find_in(kRules, speed); }
 
 // In thousandths.
 uint64_t parse_pace(const std::string& speed) {

@@ -234,10 +234,9 @@ class VideoReader::Decoder {
   // Whether the container states the frames and duration of the video itself.
   bool is_counted() const { return stored_frames() > 0; }
 
-  // 0: unknown. An AVI that was written to a pipe has the largest number instead, more than bytes.
+  // 0: unknown. An AVI that was written to a pipe has 2^30 instead.
   int64_t stored_frames() const {
-    const int64_t bytes = avio_size(file_->pb);
-    return bytes > 0 && stream_->nb_frames > bytes ? 0 : stream_->nb_frames;
+    return stream_->nb_frames >= int64_t{1} << 30 ? 0 : stream_->nb_frames;
   }
 
   bool open_codec(size_t threads) {

@@ -232,10 +232,7 @@ void require_options(const GroundTruthFormat& format, const GroundTruthArgument&
 
 std::span<const GroundTruthPreset> ground_truth_presets() { return kPresets; }
 
-const GroundTruthPreset* find_preset(std::string_view name) {
-  const auto* found = std::ranges::find(kPresets, name, &GroundTruthPreset::name);
-  return found == kPresets.end() ? nullptr : found;
-}
+const GroundTruthPreset* find_preset(std::string_view name) { return find_in(kPresets, name); }
 
 GroundTruthArgument preset_argument(const GroundTruthPreset& preset, GroundTruthArgument argument,
                                     const GroundTruthScope& scope) {

@@ -42,15 +42,12 @@ int64_t even_time(size_t frame, double fps) {
   return std::llround(static_cast<double>(frame) * 1e9 / fps);
 }
 
-// Refuses a word after a date that changes it: AM, PM, or the name of a zone.
-void refuse_word_after_date(const Rows& rows, std::string_view word) {
-  const auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
-  constexpr size_t kLongest = 5;  // of names of zones
-  const std::string lower = lower_case(std::string(word));
-  if (lower == "am" || lower == "pm" ||
-      (word.size() >= 2 && word.size() <= kLongest && std::ranges::all_of(word, is_capital)))
-    rows.fail("\"{}\" after the date is not read. Write times of 24 hours, in UTC or with +hh:mm",
-              word);
+// Whether a word after a date changes it: AM, PM, or the name of a zone.
+bool changes_date(std::string_view word) {
+  constexpr std::string_view kWords[] = {"am",  "pm",   "est", "edt", "cst",  "cdt",  "mst", "mdt",
+                                         "pst", "pdt",  "bst", "ist", "cet",  "cest", "eet", "eest",
+                                         "wet", "west", "msk", "jst", "aest", "aedt"};
+  return std::ranges::find(kWords, lower_case(std::string(word))) != std::end(kWords);
 }
 
 // The time of the current row. Blanks between cells also split a date, its time of day and its
@@ -59,13 +56,19 @@ std::string_view time_cell(const Rows& rows) {
   const std::string_view text = rows.text("time");
   const auto cells = rows.cells();
   const auto found = std::ranges::find(cells, text.data(), &std::string_view::data);
-  for (ptrdiff_t more = std::min<ptrdiff_t>(2, cells.end() - found - 1); more > 0; --more) {
+  const auto joined = [&](ptrdiff_t more) {
     const std::string_view last = found[more];
-    const std::string_view date(text.data(),
-                                static_cast<size_t>(last.data() + last.size() - text.data()));
-    if (!parse_calendar_time(date)) continue;
-    if (found + more + 1 < cells.end()) refuse_word_after_date(rows, found[more + 1]);
-    return date;
+    return std::string_view(text.data(),
+                            static_cast<size_t>(last.data() + last.size() - text.data()));
+  };
+  const ptrdiff_t most = std::min<ptrdiff_t>(3, cells.end() - found - 1);
+  for (ptrdiff_t more = std::min<ptrdiff_t>(2, most); more >= 0; --more) {
+    if (!parse_calendar_time(joined(more))) continue;
+    if (more < most && changes_date(found[more + 1]) &&
+        joined(more + 1).find_first_of(",;\t") == std::string_view::npos)
+      rows.fail("\"{}\" after the date is not read. Write times of 24 hours, in UTC or with +hh:mm",
+                found[more + 1]);
+    return joined(more);
   }
   return text;
 }
@@ -146,13 +149,7 @@ std::optional<double> stated_rate(const SequenceSource& sequence, const std::fil
 std::vector<int64_t> read_time_list(const std::filesystem::path& path, const NameReader& names,
                                     const Monitor& monitor) {
   const SequenceArgument source = parse_sequence_argument(path.string());
-  Rows rows(source.path, path.string(),
-            {{"time", "image"},
-             1,
-             /*needs_header=*/false,
-             kListSeparators,
-             /*has_others=*/true,
-             /*is_ragged=*/true});
+  Rows rows(source.path, path.string(), list_rules({"time", "image"}));
   TimeReader reader(unit_of_times(rows, "time"));
   ListedTimes listed;
   bool are_frames = rows.header().empty();  // the first column counts them
@@ -295,8 +292,9 @@ SequenceArgument selected(SequenceArgument argument, const SelectionSettings& se
                 "--recorded-fps, a video, images with times as names, or a data set with \"fps\"",
                 text_of(argument));
   if (!file.empty()) {
+    const Monitor silent{{}, {}, monitor.stop};
     const size_t frames = sequence.kind == SequenceKind::video
-                              ? read_video_times(argument, monitor).size()
+                              ? read_video_times(argument, silent).size()
                               : count_frames(sequence);
     if (frames != times->size())
       throw Error(ErrorKind::data, "{}: has {}, but {} has {}", file.string(),

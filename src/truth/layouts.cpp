@@ -136,7 +136,12 @@ bool contradicts(const Sample& sample, const Layout& layout) {
   for (std::string_view comment : split_lines(sample.comments)) {
     comment.remove_prefix(std::min(comment.find_first_not_of("# \t"), comment.size()));
     const Columns names = split_cells(comment, layout.separators);
-    if (names.size() < layout.columns.size()) continue;
+    const size_t count = layout.columns.size();
+    const auto known = std::ranges::count_if(std::span(names).first(std::min(count, names.size())),
+                                             [](std::string_view name) {
+                                               return are_columns({&name, 1});
+                                             });
+    if (names.size() < count || 2 * known <= std::ssize(layout.columns)) continue;  // a sentence
     for (size_t i = 0; i < layout.columns.size(); ++i)
       for (const std::string_view role :
            {"x", "y", "z", "qx", "qy", "qz", "qw", "nsec", "lat", "lon"})
@@ -302,10 +307,7 @@ std::span<const Layout> layouts() {
   return kLayouts;
 }
 
-const Layout* find_layout(std::string_view name) {
-  const auto found = std::ranges::find(layouts(), name, &Layout::name);
-  return found == layouts().end() ? nullptr : &*found;
-}
+const Layout* find_layout(std::string_view name) { return find_in(layouts(), name); }
 
 const Layout* detect_layout(const FileStart& start) {
   if (start.is_folder || start.bytes.find('\0') < start.bytes.size()) return nullptr;

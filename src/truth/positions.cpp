@@ -222,19 +222,24 @@ bool is_gps_header(const std::vector<std::string>& header) {
 void check_meters(const Rows& rows, const Trajectory& found) {
   constexpr double kFewDegrees = 0.1;
   constexpr size_t kFewPoses = 10;
+  const auto names_unit = [](const std::string& cell) {
+    const auto name = parse_column_name(cell, "x");
+    return name && name->unit;
+  };
+  if (found.is_on_earth || found.poses.size() - count_unknown(found.poses) < kFewPoses ||
+      std::ranges::any_of(rows.header(), names_unit))
+    return;
   const auto first =
       std::ranges::find_if(found.poses, [](const auto& pose) { return pose.has_value(); });
-  if (found.is_on_earth || found.poses.size() < kFewPoses || first == found.poses.end()) return;
   const auto [x, y, z] = extents_of(found.poses);
   const auto& position = (*first)->position;
   const double farther = std::max(std::abs(position[0]), std::abs(position[1]));
   if (x + y > 0 && std::max(x, y) < kFewDegrees && farther > 1 && farther <= 360)
     rows.fail(
         "its positions near {:g}, {:g} extend over less than {} m. If they are latitudes and "
-        "longitudes, {}; if they are meters, subtract the first position",
+        "longitudes, {} lat and lon; if they are meters, x_m and y_m",
         position[0], position[1], kFewDegrees,
-        rows.header().empty() ? "add a first line that names the columns, such as time,lat,lon"
-                              : "name these columns lat and lon");
+        rows.header().empty() ? "add a first line that names all columns, these" : "name them");
 }
 
 Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, bool with_times) {
@@ -242,7 +247,8 @@ Trajectory read_pose_csv(const fs::path& path, std::optional<size_t> frames, boo
   const std::vector<std::string> header = open_start(source.path).header;
   const bool are_fixes = is_gps_header(header) && !is_pose_header(header);
   Rows rows(source.path, path.string(),
-            are_fixes ? RowRules{.columns = {"frame", "lat", "lon", "time", "heading", "floor"},
+            are_fixes ? RowRules{.columns = {"frame", "lat", "lon", "time", "heading", "floor",
+                                             "n/s", "e/w"},
                                  .needed = 3,
                                  .has_others = true}
                       : RowRules{{"frame", "x", "y", "z", "time", "heading", "floor"}, 3});

@@ -92,9 +92,9 @@ std::optional<TimeUnit> unit_of_times(const FileLocation& file,
   if (has_points && plausible.front().first == TimeUnit::seconds) return TimeUnit::seconds;
   if (has_points && are_whole && plausible.front().first == TimeUnit::milliseconds)
     file.fail(
-        "the unit of its times is unclear: they are {} s or ms apart. Add a first line with the "
-        "names of the columns, such as time_s or time_ms",
-        *middle);
+        "the unit of its times is unclear: they are {} {} or {} s apart. Add a first line with the "
+        "names of the columns, such as time_{} or time_s",
+        *middle, plausible[0].second, *middle, plausible[0].second);
   // A recording of less than a second has a larger unit.
   const double duration = values.back() - values.front();
   while (plausible.size() > 1 &&

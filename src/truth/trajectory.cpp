@@ -194,16 +194,6 @@ Poses poses_by_name(const Trajectory& trajectory, const SideOptions& side,
   const bool must_have_all = !side.files.images.empty();
   const auto count = static_cast<size_t>(std::ranges::count_if(
       trajectory.names, [&](const std::string& name) { return names->find(name).has_value(); }));
-  const bool count_frames = std::ranges::all_of(
-      trajectory.names, [](const std::string& name) { return parse_frame(name).has_value(); });
-  if (count > 0 && count_frames && !names->find("0") &&
-      std::ranges::find(trajectory.names, "0") != trajectory.names.end())
-    throw Error(
-        ErrorKind::data,
-        "{}: its numbers of frames count from 0, which does not name a frame, so it is unclear "
-        "which frames {} and others are. Call the column \"frame\", or write names with their "
-        "extension",
-        trajectory.name, names->name(0));
   if (count == 0 && !must_have_all)
     throw Error(ErrorKind::data, "{}: no line names a frame of the sequence; the first names {}",
                 trajectory.name, trajectory.names.front());
@@ -211,10 +201,20 @@ Poses poses_by_name(const Trajectory& trajectory, const SideOptions& side,
     if (const std::string& name = trajectory.names[i]; !name.empty() && !names->find(name))
       FileLocation{trajectory.name, "line", trajectory.lines[i]}.fail(
           "{} has no image {}, or several", side.files.images.string(), name);
+  const auto entries =
+      entries_by_frame(*names, trajectory.names, trajectory.lines, trajectory.name);
+  const auto is_number = [](const std::string& name) { return parse_frame(name).has_value(); };
+  if (count > 0 &&
+      !std::ranges::all_of(entries, [](const auto& entry) { return entry.has_value(); }) &&
+      std::ranges::all_of(trajectory.names, is_number) && !names->find("0") &&
+      std::ranges::find(trajectory.names, "0") != trajectory.names.end())
+    throw Error(ErrorKind::data,
+                "{}: its numbers of frames count from 0, which does not name a frame, so it is "
+                "unclear which frames {} and others are. Call the column \"frame\", or write names "
+                "with their extension",
+                trajectory.name, names->name(0));
   Poses poses;
-  for (const auto entry :
-       entries_by_frame(*names, trajectory.names, trajectory.lines, trajectory.name))
-    poses.push_back(entry ? trajectory.poses[*entry] : std::nullopt);
+  for (const auto entry : entries) poses.push_back(entry ? trajectory.poses[*entry] : std::nullopt);
   return poses;
 }
 

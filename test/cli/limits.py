@@ -133,7 +133,7 @@ def many_loops(folder):
     whole = time.monotonic() - started
     before = sorted(path.name for path in folder.iterdir())
     for share in (0.1, 0.3, 0.5, 0.7, 0.9):
-        run(*command, "--force", status=(0, 130, -signal.SIGINT), seconds=2, interrupt_after=share * whole)
+        run(*command, "--force", status=(0, 130, -signal.SIGINT), seconds=share * whole + 2, interrupt_after=share * whole)
         if sorted(path.name for path in folder.iterdir()) != before:
             sys.exit("limits: an interrupted vpr-eval loops leaves files")
     print("interrupts at 10 to 90 % of it: end within 2 s, no file is left")

@@ -518,6 +518,8 @@ def logs_of_robots():
     refused(4, "two columns x", "vpr-eval", "check", "two.csv", "--ground-truth-train", "two.csv", "--radius", 1)
     # Comments after the one that names the columns.
     turned = "".join(f"{i} {10 * i} 0 0 0.8 0.6 0 0\n" for i in range(count))
+    write("turned.tum", "# x is east, y is north, z is up and all are meters\n" + turned)
+    assert same_pairs("turned.tum", "--ground-truth-train", "turned.tum", "--radius", 1) == count
     write("turned.tum", "# time x y z q_w q_x q_y q_z\n# from a logger\n" + turned)
     refused(2, "fit no layout", "vpr-eval", "check", "turned.tum", "--ground-truth-train", "turned.tum", "--radius", 1)
     write("keys.tum", "".join(f"{i} {10 * i} 0 0 0 0 0 1\n" for i in range(0, count, 2)))
@@ -525,16 +527,26 @@ def logs_of_robots():
             "--radius", 1, "--query", "walk", "--train", "walk")
     # Degrees: of a GIS, and with letters.
     write("gis.csv", "frame,x,y\n" + "".join(f"{i},{-1.26 + i / 1e5},{51.75 + i / 1e5}\n" for i in range(count)))
-    refused(4, "name these columns lat and lon", "vpr-eval", "check", "gis.csv", "--ground-truth-train", "gis.csv", "--radius", 1)
+    refused(4, "name them lat and lon", "vpr-eval", "check", "gis.csv", "--ground-truth-train", "gis.csv", "--radius", 1)
+    write("still.csv", "frame,x_m,y_m\n" + "".join(f"{i},{12.3 + i / 1e4},4.5\n" for i in range(count)))
+    assert same_pairs("still.csv", "--ground-truth-train", "still.csv", "--radius", 1) == count**2
     for west in ("W", "West"):
         write("exif.csv", "SourceFile,GPSLatitude,GPSLatitudeRef,GPSLongitude,GPSLongitudeRef\n"
               + "".join(f"{i}.jpg,{51.75 + i / 1e4},N,{1.26},{west}\n" for i in range(count)))
         write("signed.csv", "frame,lat,lon\n" + "".join(f"{i},{51.75 + i / 1e4},-1.26\n" for i in range(count)))
         sides = ("--query", "numbers", "--train", "numbers", "--radius", 1)
         assert same_pairs("exif.csv", "--ground-truth-train", "signed.csv", *sides) == count
+        write("exif.csv", (folder / "exif.csv").read_text().replace("SourceFile", "frame").replace(".jpg", ""))
+        assert same_pairs("exif.csv", "--ground-truth-train", "signed.csv", *sides) == count
     (folder / "from1").mkdir()
     for i in range(count):
         write(f"from1/{i + 1}.jpg", "")
+    part = "".join(f"{i},{51.75 + i / 1e4},-1.26\n" for i in range(80))
+    (folder / "later").mkdir()
+    for i in range(40, 80):
+        write(f"later/{i}.jpg", "")
+    write("all.csv", "image,lat,lon\n" + part)
+    assert same_pairs("all.csv", "--ground-truth-train", "all.csv", "--radius", 1, "--query", "later", "--train", "later") == count
     write("counted.csv", "image,lat,lon\n" + "".join(f"{i},{51.75 + i / 1e4},-1.26\n" for i in range(count)))
     refused(4, "count from 0", "vpr-eval", "check", "counted.csv", "--ground-truth-train", "counted.csv", "--radius", 1, "--query",
             "from1", "--train", "from1")
@@ -549,6 +561,8 @@ def written_times():
     ok(call(*check(*clock(" UTC"))))
     for word in ("PM", "BST"):
         refused(4, f'"{word}" after the date', *check(*clock(f" {word}")))
+        refused(4, f'"{word}" after the date', *check(*(line.replace(" ", "T") + f" {word}" for line in clock(""))))
+    ok(call(*check("time,camera", *clock(",EST"))))
     refused(4, "unit of its times is unclear", *check(*(f"{30 * i}.0" for i in frames)))
     ok(call(*check("time_s", *(f"{30 * i}.0" for i in frames))))
 
@@ -579,11 +593,17 @@ def images_of_cameras():
         assert np.load(folder / "views.npy").diagonal().max() <= most, (other, np.load(folder / "views.npy").diagonal())
     train = ("vpr-train", "images", "--train", "stored", "-o", "p.vprdb")
     assert "2 images of each frame: .color.png, .depth.png" in said(*train[:2], "--train-folders", "kinds", "-o", "k.vprdb")
+    (folder / "decimal").mkdir()
+    for i, view in enumerate(views):
+        Image.fromarray(view).save(folder / f"decimal/{i // 4}.{i % 4}.png")
+    assert said(*train[:3], "decimal", "-o", "d.vprdb") == ""
     Image.fromarray(views[0]).save(folder / "stored/12.png", save_all=True, append_images=[Image.fromarray(v) for v in views[1:]])
     refused(3, "has several pages", *train)
     (folder / "stored/12.png").unlink()
     Image.fromarray(np.dstack([views[0]] * 3 + [views[1]]), "RGBA").save(folder / "stored/12.tif")
     refused(3, "has transparent pixels", *train)
+    Image.fromarray(np.dstack([views[0]] * 3 + [np.full_like(views[0], 255)]), "RGBA").save(folder / "stored/12.tif")
+    ok(call(*train))
 
 
 def common_frames():

@@ -11,21 +11,17 @@ temporary = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
 folder = pathlib.Path(temporary.name)
 sys.dont_write_bytecode = True
 
-
 sys.path.append(str(source / "test"))
 import served  # noqa: E402
 
 served_programs = served.Served(programs)
-printed = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
 
 
 def call(*words, **more):
     """Runs one of our programs, or another one, in the folder."""
     ours = str(words[0]).startswith("vpr-")
-    if ours and not more.keys() - {"cwd"} and served_programs.library.exists():
-        texts = [pathlib.Path(printed.name) / name for name in ("stdout", "stderr")]
-        status, _ = served_programs.run(words, more.get("cwd", folder), *texts)
-        return subprocess.CompletedProcess(words, status, *(text.read_text() for text in texts))
+    if ours and not more.keys() - {"cwd"}:
+        return served_programs.call(words, more.get("cwd", folder))
     program = programs / words[0] if ours else words[0]
     return subprocess.run([program, *map(str, words[1:])], **{"cwd": folder, "text": True, "capture_output": True, **more})
 

@@ -1,10 +1,13 @@
 """Two walks through a building of textures, as images and as descriptors of a network."""
 
 import pathlib
-import subprocess
+import sys
 
 import numpy as np
 import pytest
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
+import served  # noqa: E402
 
 FRAMES = 60
 
@@ -15,11 +18,10 @@ def pytest_addoption(parser):
 
 @pytest.fixture(scope="session")
 def run(request):
-    programs = pathlib.Path(request.config.getoption("--programs")).resolve()
+    programs = served.Served(request.config.getoption("--programs"))
 
     def run_program(name, *arguments, folder, code=0):
-        done = subprocess.run([programs / name, *map(str, arguments)], cwd=folder, text=True,
-                              capture_output=True)
+        done = programs.call((name, *arguments), folder)
         assert done.returncode == code, done.stderr
         return done
     return run_program

@@ -241,6 +241,32 @@ TEST_CASE("a video of full range has the same gray in every codec") {
   CHECK(std::abs(cv::mean(Reading(path).images.at(1))[0] - 60) < 1.5);
 }
 
+TEST_CASE("the range may change within a video") {
+  const TemporaryFolder folder;
+  std::string bytes;
+  for (const AVColorRange range : {AVCOL_RANGE_JPEG, AVCOL_RANGE_MPEG}) {
+    write_coded(folder / "part.ts", {"libx265", AV_PIX_FMT_YUV420P10, fill_gray, range},
+                even_times(3));
+    bytes += read_text(folder / "part.ts");
+  }
+  write_text(folder / "both.ts", bytes);
+  const Reading reading(folder / "both.ts", Unreadable::skip);
+  REQUIRE(reading.images.size() == 6);
+  CHECK_FALSE(shows(reading.images.at(1), 1));
+  CHECK(shows(reading.images.at(4), 1));
+}
+
+TEST_CASE("an AVI that was written to a pipe does not state its duration") {
+  const TemporaryFolder folder;
+  write_coded(folder / "v.avi", {"mjpeg", AV_PIX_FMT_YUVJ420P}, even_times(12));
+  std::string bytes = read_text(folder / "v.avi");
+  const std::string unknown("\0\0\0\x40", 4);
+  for (const auto& [chunk, offset] : {std::pair("avih", 24), std::pair("strh", 40)})
+    bytes.replace(bytes.find(chunk) + offset, unknown.size(), unknown);
+  write_text(folder / "v.avi", bytes);
+  CHECK(Reading(folder / "v.avi").sequence.frames == 12);
+}
+
 TEST_CASE("a video without times has those of its rate, with a warning") {
   const auto [codec, name] =
       GENERATE(table<std::string, std::string>({{"libx264", "raw.h264"}, {"mjpeg", "raw.mjpeg"}}));
