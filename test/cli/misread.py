@@ -591,12 +591,12 @@ def images_of_cameras():
         run("vpr-query", "views.vprdb", "--query", other, "--method", "fastable", "--c-l", 1, "--t-r", 0.4, "--score", "raw",
             "--save-matrix", "views.npy", "-o", "views.json", "--force", "--quiet")
         assert np.load(folder / "views.npy").diagonal().max() <= most, (other, np.load(folder / "views.npy").diagonal())
-    train = ("vpr-train", "images", "--train", "stored", "-o", "p.vprdb")
-    assert "2 images of each frame: .color.png, .depth.png" in said(*train[:2], "--train-folders", "kinds", "-o", "k.vprdb")
+    train = ("vpr-train", "images", "--train", "stored", "-o", "stored.vprdb")
+    assert "2 images of each frame: .color.png, .depth.png" in said(*train[:2], "--train-folders", "kinds", "-o", "kinds.vprdb")
     (folder / "decimal").mkdir()
     for i, view in enumerate(views):
         Image.fromarray(view).save(folder / f"decimal/{i // 4}.{i % 4}.png")
-    assert said(*train[:3], "decimal", "-o", "d.vprdb") == ""
+    assert said(*train[:3], "decimal", "-o", "decimal.vprdb") == ""
     Image.fromarray(views[0]).save(folder / "stored/12.png", save_all=True, append_images=[Image.fromarray(v) for v in views[1:]])
     refused(3, "has several pages", *train)
     (folder / "stored/12.png").unlink()
