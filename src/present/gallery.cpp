@@ -109,23 +109,28 @@ SequenceDatabase recorded_training(const ResultContext& context) {
   return {};
 }
 
-// Whether some images have the stored descriptors of frames first, first + 1, ... of a database.
-// Frames of videos, and of a database in memory, are not compared.
+// Whether images, at most 256 and evenly spaced, have the stored descriptors of frames first,
+// first + 1, ... of a database. Frames of videos, and of a database in memory, are not compared.
 bool has_descriptors(const SequenceSource& source, const TrainSequence& train,
                      const SequenceDatabase& database, size_t first) {
-  constexpr size_t kCompared = 8;
+  constexpr size_t kCompared = 256;
   const DescriptorRows rows = database.descriptors.rows();
   const size_t frames = train.sequence.frames;
   if (source.kind != SequenceKind::images || rows.size() < first + frames) return true;
+  SequenceSource some = source;
+  some.files.clear();
+  std::vector<size_t> compared;
   for (size_t i = 0; i < std::min(kCompared, frames); ++i) {
     const size_t frame = i * frames / std::min(kCompared, frames);
     if (std::ranges::binary_search(train.sequence.unreadable, frame)) continue;
-    SequenceSource one = source;
-    one.files = {source.files.at(train.sequence.selection.source_of(frame))};
-    const DescriptorSet found =
-        database.descriptors.kind->describe(one, database.descriptor, Unreadable::fail, {});
-    if (!std::ranges::equal(found.rows()[0], rows[first + frame])) return false;
+    compared.push_back(frame);
+    some.files.push_back(source.files.at(train.sequence.selection.source_of(frame)));
   }
+  if (compared.empty()) return true;
+  const DescriptorSet found =
+      database.descriptors.kind->describe(some, database.descriptor, Unreadable::fail, {});
+  for (size_t i = 0; i < compared.size(); ++i)
+    if (!std::ranges::equal(found.rows()[i], rows[first + compared[i]])) return false;
   return true;
 }
 

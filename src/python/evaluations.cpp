@@ -165,17 +165,17 @@ std::shared_ptr<Judged> evaluate(
 
 void add_evaluations(py::module_& module) {
   py::class_<Judged, std::shared_ptr<Judged>>(module, "Report")
-      .def("text", &Judged::text)
-      .def("summary", &Judged::summary)
+      .def("text", &Judged::text, py::call_guard<InCall>())
+      .def("summary", &Judged::summary, py::call_guard<InCall>())
       .def("page", page_of, py::call_guard<InCall>())
       .def("save", save_report, py::call_guard<InCall>())
-      .def("frames", frames_of)
-      .def("curve", points_of);
+      .def("frames", frames_of, py::call_guard<InCall>())
+      .def("curve", points_of, py::call_guard<InCall>());
   py::class_<Compared, std::shared_ptr<Compared>>(module, "Compared")
-      .def("text", &Compared::text)
-      .def("table", &Compared::table)
+      .def("text", &Compared::text, py::call_guard<InCall>())
+      .def("table", &Compared::table, py::call_guard<InCall>())
       .def("page", &Compared::page, py::call_guard<InCall>())
-      .def("latex", &Compared::latex);
+      .def("latex", &Compared::latex, py::call_guard<InCall>());
   module.def("compare", compare, py::call_guard<InCall>());
   module.def("json_text", json_text, py::call_guard<InCall>());
   module.def("save_text", save_text, py::call_guard<InCall>());

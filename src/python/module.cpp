@@ -266,15 +266,17 @@ void add_databases(py::module_& module) {
           },
           py::call_guard<InCall>(), "path"_a, "force"_a = false,
           "Writes the folder that vpr-train writes. force: replaces a database.")
-      .def("__repr__",
-           [described](const calls::Database& database) {
-             return "<vpr.Database: " + described(database) + ">";
-           })
-      .def("_repr_html_", shown)
+      .def(
+          "__repr__",
+          [described](const calls::Database& database) {
+            return "<vpr.Database: " + described(database) + ">";
+          },
+          py::call_guard<InCall>())
+      .def("_repr_html_", shown, py::call_guard<InCall>())
       .def_property_readonly("sequences", &calls::Database::names,
                              "Names of the training sequences.")
       .def_property_readonly(
-          "descriptors", descriptors_of,
+          "descriptors", py::cpp_function(descriptors_of, py::call_guard<InCall>()),
           "Stored descriptors, one row per frame of all sequences, as a read-only view: bits (8 "
           "per\nvalue) and images are uint8, vectors int16 or int8. Not for FAB-MAP.");
   module.def("train", train, py::call_guard<InCall>());

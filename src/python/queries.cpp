@@ -198,14 +198,16 @@ void add_queries(py::module_& module) {
                                  },
                                  py::call_guard<InCall>()),
                              "The content of the result file, without the checksums of arrays.")
-      .def("__getattr__", array_named)
+      .def("__getattr__", array_named, py::call_guard<InCall>())
       .def("__reduce__",
            [](const py::object& result) {
              return py::module_::import("vpr").attr("_pickled")(result);
            })
-      .def("_repr_html_", shown)
-      .def("__repr__",
-           [](const StoredResult& made) { return "<vpr.Result: " + headline(made) + ">"; });
+      .def("_repr_html_", shown, py::call_guard<InCall>())
+      .def(
+          "__repr__",
+          [](const StoredResult& made) { return "<vpr.Result: " + headline(made) + ">"; },
+          py::call_guard<InCall>());
   py::class_<Distances, std::shared_ptr<Distances>>(
       module, "Distances",
       "Frame distances of a query to all training frames, computed on request: d[i] is the row of\n"

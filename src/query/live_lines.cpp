@@ -96,8 +96,7 @@ std::optional<LiveAnswer> LiveLines::take(const LiveFrame& frame, const Monitor&
       described = describe_frames(frame.sequence(), database_, false, monitor, choose_);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::input) throw;
-    if (std::error_code ignored;
-        frame.may_be_gone && !std::filesystem::exists(frame.file, ignored)) {
+    if (frame.is_gone()) {
       warn(monitor, "{}: does not exist, and is omitted", frame.file.string());
       return std::nullopt;
     }

@@ -100,6 +100,11 @@ class LinePipe {
 
 }  // namespace
 
+bool LiveFrame::is_gone() const {
+  std::error_code ignored;
+  return may_be_gone && !fs::exists(file, ignored);
+}
+
 SequenceSource LiveFrame::sequence() const {
   if (array) {
     SequenceArgument descriptor{name.empty() ? "frame" : name, {}};

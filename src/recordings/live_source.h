@@ -25,6 +25,7 @@ struct LiveFrame {
   std::shared_ptr<const NpyArray> array = {};  ///< a descriptor in memory, 1 x d; null: an image
 
   bool is_missing() const { return file.empty() && !picture && !array; }
+  bool is_gone() const;  ///< omitted
   /// A sequence with this frame only, for describing it; this object must outlive it.
   SequenceSource sequence() const;
 };

@@ -347,6 +347,10 @@ LiveSource open_resampled_source(LiveSource source, double fps,
   return {[=](const Monitor& monitor) -> std::optional<LiveFrame> {
     for (;;) {
       std::optional<LiveFrame> frame = state->source.next(monitor);
+      if (frame && frame->is_gone()) {
+        warn(monitor, "{}: does not exist, and is omitted", frame->file.string());
+        continue;
+      }
       const bool is_kept =
           frame ? state->thinner.keeps_before(time_of(*frame)) : state->thinner.keeps_last();
       const bool is_end = !frame;

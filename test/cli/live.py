@@ -31,6 +31,10 @@ def standard_input():
     lines = (folder / "list.txt").read_text()
     piped = run("vpr-query", "live", "monday.vprdb", "--query", "-", input=lines)
     assert piped == run("vpr-query", "live", "monday.vprdb", "--query", "list.txt"), piped
+    # Names that are gone take no time.
+    thinned = ("vpr-query", "live", "monday.vprdb", "--fps", "1", "--recorded-fps", "2", "--query")
+    both = "".join(f"frames/gone.jpg\n{frame}\n" for frame in frames)
+    assert run(*thinned, "-", input=both) == run(*thinned, "list.txt")
     live = start(programs / "vpr-query", "live", "monday.vprdb", "--query", "-", "--c-l", "2", "--t-r", "300",
                  "--t-r-scale", "bits")
     # Some editors write a byte order mark at the beginning. A temporary name may be gone.

@@ -20,8 +20,12 @@ warnings.simplefilter("ignore")
 rows = np.load("monday.npy")
 db = vpr.train(descriptors=rows)
 distances = vpr.distances(db, rows)
-works = [lambda: vpr.query(db, descriptors=rows, c_l=5), lambda: np.asarray(distances),
-         lambda: vpr.train(descriptors=rows, progress=lambda *step: time.sleep(0.001))]
+windows = {"c_l": 5, "score": "zscore", "decide": "margin"}
+result = vpr.query(db, descriptors=rows, **windows)
+report = vpr.evaluate(result)
+works = [lambda: vpr.query(db, descriptors=rows, **windows), lambda: np.asarray(distances),
+         lambda: vpr.train(descriptors=rows, progress=lambda *step: time.sleep(0.001)),
+         lambda: result.best, report.frames, lambda: db.descriptors]
 def call_for_ever(work):
     while True:
         try: work()
@@ -32,7 +36,7 @@ time.sleep(float(sys.argv[2]))
 """
 
 
-@pytest.mark.parametrize("threads", [1, 3, 8])
+@pytest.mark.parametrize("threads", [1, 3, 6])
 def test_threads_that_always_call_end_with_the_interpreter(walks, threads):
     for number in range(4):
         done = subprocess.run([sys.executable, "-c", END, str(threads), str(0.02 * number)],
