@@ -235,7 +235,7 @@ void claim_charts(Outputs& outputs, const std::string& folder) {
 }
 
 void Session::claim_output(const std::vector<std::string>& files, const std::string& plots) const {
-  if (!options.output.empty()) outputs.claim_file(options.output);
+  if (!options.output.empty()) claim_over_result(options.output, outputs);
   for (const std::string& file : files)
     if (!file.empty()) outputs.claim_file(file);
   if (!plots.empty()) claim_charts(outputs, plots);

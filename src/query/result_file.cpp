@@ -8,6 +8,7 @@
 #include "base/checksum.h"
 #include "base/error.h"
 #include "base/json_schema.h"
+#include "base/mapped_file.h"
 #include "base/provenance.h"
 #include "database/archive.h"
 #include "query/choices.h"
@@ -273,6 +274,14 @@ void claim_result(const fs::path& path, Outputs& outputs) {
                 path.string());
   outputs.claim_file(path);
   outputs.claim_file(array_path(path));
+}
+
+void claim_over_result(const fs::path& path, Outputs& outputs) {
+  outputs.claim_file(path);
+  std::error_code error;
+  if (fs::is_regular_file(path, error) &&
+      read_file_start(path, 64).find("\"vpr.result/") != std::string::npos)
+    outputs.claim_file(array_path(path));
 }
 
 std::string result_checksum(Json json) {

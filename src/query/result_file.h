@@ -37,6 +37,9 @@ struct ResultContext {
 /// Claims the result and its arrays.
 void claim_result(const std::filesystem::path& path, Outputs& outputs);
 
+/// Claims another output: of a result that it replaces, the arrays are removed as well.
+void claim_over_result(const std::filesystem::path& path, Outputs& outputs);
+
 /// The checksum of everything but "machine", "timing" and the checksum itself.
 std::string result_checksum(Json json);
 

@@ -286,6 +286,10 @@ TEST_CASE("a result that replaces one of another method leaves no array of it") 
   run_ok("vpr-query $db --query $back --c-l 5 --score zscore --decide margin -o r.json --force");
   CHECK(npz_bytes("r.npz", "path").empty());
   run_ok("vpr-eval r.json");
+  run_ok("vpr-query $db --query $back --method filter -o other.json");
+  run_ok("vpr-eval other.json -o r.json --force");
+  CHECK_FALSE(fs::exists("r.npz"));
+  CHECK(fs::exists("other.npz"));
 }
 
 TEST_CASE("a map shows one or two results of the same query, as SVG and PNG") {
