@@ -36,7 +36,7 @@ time.sleep(float(sys.argv[2]))
 """
 
 
-@pytest.mark.parametrize("threads", [1, 3, 6])
+@pytest.mark.parametrize("threads", [1, 3, 8])
 def test_threads_that_always_call_end_with_the_interpreter(walks, threads):
     for number in range(4):
         done = subprocess.run([sys.executable, "-c", END, str(threads), str(0.02 * number)],
