@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -31,16 +32,11 @@ Server start(std::string program, const fs::path& library) {
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, requests[0], STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, answers[1], STDOUT_FILENO);
-  std::vector<std::string> variables = {"LD_PRELOAD=" + library.string(), "VPR_SERVED=1",
-                                        "LD_BIND_NOW=1", "OPENBLAS_NUM_THREADS=1"};
-  for (char** variable = environ; *variable != nullptr; ++variable)
-    variables.emplace_back(*variable);
-  std::vector<char*> envp;
-  for (std::string& variable : variables) envp.push_back(variable.data());
-  envp.push_back(nullptr);
+  Environment environment({"LD_PRELOAD=" + library.string(), "VPR_SERVED=1", "LD_BIND_NOW=1",
+                           "OPENBLAS_NUM_THREADS=1"});
   std::array<char*, 2> argv = {program.data(), nullptr};
   pid_t child = 0;
-  if (::posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), envp.data()) != 0)
+  if (::posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), environment.data()) != 0)
     throw std::runtime_error("cannot start " + program);
   posix_spawn_file_actions_destroy(&actions);
   ::close(requests[0]);
@@ -59,6 +55,13 @@ void read_all(int file, void* bytes, size_t size) {
 }
 
 }  // namespace
+
+Environment::Environment(std::vector<std::string> variables) : variables_(std::move(variables)) {
+  for (char** variable = environ; *variable != nullptr; ++variable)
+    variables_.emplace_back(*variable);
+  for (std::string& variable : variables_) pointers_.push_back(variable.data());
+  pointers_.push_back(nullptr);
+}
 
 std::optional<int> run_served(const std::vector<std::string>& words, const fs::path& out,
                               const fs::path& err) {

@@ -19,8 +19,6 @@
 #include "base/random.h"
 #include "served.h"
 
-extern char** environ;
-
 namespace vpr::test {
 namespace {
 
@@ -137,15 +135,10 @@ std::optional<int> run_spawned(Words words, const Words& environment, const std:
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  Words variables = environment;
-  for (char** variable = environ; *variable != nullptr; ++variable)
-    variables.emplace_back(*variable);
-  std::vector<char*> envp;
-  for (std::string& variable : variables) envp.push_back(variable.data());
-  envp.push_back(nullptr);
+  Environment variables(environment);
   pid_t child = 0;
   std::optional<int> status;
-  if (::posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), envp.data()) == 0)
+  if (::posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), variables.data()) == 0)
     ::waitpid(child, &status.emplace(), 0);
   posix_spawn_file_actions_destroy(&actions);
   return status;
